@@ -69,7 +69,6 @@ class Answer:
     lost: float  # share of the tags on the robot
     residual: float  # px
     rms: float  # m, of the center of mass
-    scale_deviation: float
     friction: float
     low: float
     high: float
@@ -186,7 +185,6 @@ def analyze(case: Case, truth: lc.Trial, layout: TagLayout, film: Path, folder: 
         lost=found.share_lost([tag.number for tag in layout.links]),
         residual=camera.residual,
         rms=float(np.sqrt(np.mean(np.sum(away**2, axis=1)))),
-        scale_deviation=camera.scale_deviation,
         friction=row["value"],
         low=row["low"],
         high=row["high"],

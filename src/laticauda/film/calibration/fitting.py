@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 
 from laticauda.film.calibration.calibration import CameraCalibration
 from laticauda.film.calibration.optics import Lens, Pixels, Places, Surface, locate
@@ -353,16 +353,21 @@ def _with_deviations(
     heights = generator.normal(
         calibration.plane_height, calibration.plane_height_deviation, size=N_DRAWS
     )
+    quarters = _quarters_of_grid()
     scales: list[float] = []
     remainders: list[float] = []
     for draw, height in zip(draws, heights, strict=True):
         places = locate(grid, plane_height=height, **model.unpack(draw))
-        usable = is_known & np.isfinite(places).all(axis=1)
+        usable: np.ndarray = np.asarray(is_known & np.isfinite(places).all(axis=1))
         if np.count_nonzero(usable) < FEWEST_MARKS:
             continue
-        scale, remainder = compare_shapes(expected[usable], places[usable])
-        scales.append(scale)
-        remainders.append(remainder)
+        whole = compare_shapes(expected[usable], places[usable])
+        remainders.append(whole.remainder)
+        whole_quarters = [quarter for quarter in quarters if np.all(usable[quarter])]
+        if not whole_quarters:
+            scales.append(whole.scale)
+        for quarter in whole_quarters:
+            scales.append(compare_shapes(expected[quarter], places[quarter]).scale)
     return replace(
         calibration,
         scale_deviation=float(np.sqrt(np.mean((np.array(scales) - 1.0) ** 2))),
@@ -370,7 +375,23 @@ def _with_deviations(
     )
 
 
-def compare_shapes(first: Places, second: Places) -> tuple[float, float]:
+def _quarters_of_grid() -> list[Int[np.ndarray, " n_quarter"]]:
+    """Return the points of every quarter of the grid: a path through one of them has the scale that is there."""
+    numbers = np.arange(N_GRID * N_GRID).reshape(N_GRID, N_GRID)
+    half = N_GRID // 2
+    sides = (slice(0, half), slice(half, N_GRID))
+    return [numbers[rows, columns].ravel() for rows in sides for columns in sides]
+
+
+class ShapeDifference(NamedTuple):
+    """How one set of places differs from another."""
+
+    scale: float
+    remainder: float
+    """What is left (rms) after shift, turn and scale [m]."""
+
+
+def compare_shapes(first: Places, second: Places) -> ShapeDifference:
     """Return the scale from one set of places to another, and what is left (rms) after shift, turn and scale.
 
     Args:
@@ -381,4 +402,6 @@ def compare_shapes(first: Places, second: Places) -> tuple[float, float]:
     other_numbers = (second - second.mean(axis=0)) @ np.array([1.0, 1.0j])
     factor = np.vdot(numbers, other_numbers) / np.vdot(numbers, numbers)
     left = other_numbers - factor * numbers
-    return float(np.abs(factor)), float(np.sqrt(np.mean(np.abs(left) ** 2)))
+    return ShapeDifference(
+        scale=float(np.abs(factor)), remainder=float(np.sqrt(np.mean(np.abs(left) ** 2)))
+    )
