@@ -82,7 +82,7 @@ def test_a_trial_with_measured_angles_does_as_well(film, tmp_path, capsys):
         ),
         (
             [*OPTIONS, "--pixels-per-meter", "95"],
-            "must span about 0.4 m, the length of `eel`, from head to tail, got 3.",
+            "must span about 0.4 m, the length of `eel`, from nose to tail tip, got 3.",
         ),
         (
             ["--robot", "amphibot", "--length", "0.4", "--frame-rate", "60"],
@@ -93,3 +93,15 @@ def test_a_trial_with_measured_angles_does_as_well(film, tmp_path, capsys):
 def test_what_is_missing_or_wrong_is_said_by_its_name(table, words, message, capsys):
     assert main(["inverse", table, *words]) == 2
     assert message in " ".join(capsys.readouterr().err.split())
+
+
+def test_a_film_itself_is_sent_to_track(tmp_path, capsys):
+    film = tmp_path / "swim.mp4"
+    film.write_bytes(b"")
+    assert main(["inverse", str(film), "--robot", "mamba"]) == 2
+    assert "not the film itself: `laticauda track` finds tags" in capsys.readouterr().err
+
+
+def test_a_name_that_is_no_robot_is_said_before_its_length(table, capsys):
+    assert main(["inverse", table, "--robot", "ell", *OPTIONS[2:]]) == 2
+    assert "length" not in capsys.readouterr().err

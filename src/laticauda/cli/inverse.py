@@ -1,5 +1,6 @@
 """`laticauda inverse`: from points tracked in a film to forces, power and efficiency with intervals."""
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -7,6 +8,8 @@ import numpy as np
 import laticauda as lc
 from laticauda.cli import flags
 from laticauda.cli.command import Command, Outcome
+from laticauda.cli.film import FILM_ENDINGS
+from laticauda.cli.progress import PATIENCE, SHARE, show_progress
 from laticauda.cli.shared_options import threads_option
 from laticauda.cli.tables import align_columns, format_digits
 from laticauda.film import TrackedPoints, read_points
@@ -17,6 +20,7 @@ from laticauda.film.forces import (
     FilmForces,
     draw_forces,
     invert_points,
+    list_doubts,
     list_remarks,
     points_of_trial,
     scale_points,
@@ -106,6 +110,7 @@ class Inverse(Command):
             n_draws=self.draws,
             seed=self.seed,
             threads=self.threads,
+            on_progress=show_progress(SHARE, what="evaluated", patience=PATIENCE),
         )
         files: list[str] = []
         if self.plot is not None:
@@ -113,15 +118,16 @@ class Inverse(Command):
             files.append(self.plot)
         if self.output is not None:
             files += [f"{self.output}/{name}" for name in write_page(forces, self.output)]
-        return Outcome(facts=self._list_facts(forces, files), text=_describe(forces, points, files))
+        return Outcome(facts=self._list_facts(forces, files), text=_describe(forces, files))
 
     def _load_robot(self) -> lc.Robot:
         build = ANIMALS.get(self.robot)
         if build is None:
+            robot = lc.load_robot(self.robot)
             if self.length is not None or self.mass is not None:
                 rule = "must be left out unless `robot` is eel or fish"
                 raise BadArgument("length", f"{rule}: `{self.robot}` has its own")
-            return lc.load_robot(self.robot)
+            return robot
         if self.length is None:
             raise BadArgument("length", f"must be given for a body of the kind {self.robot}")
         return build(self.length, mass=self.mass)
@@ -129,6 +135,12 @@ class Inverse(Command):
     def _load_points(self) -> TrackedPoints:
         if self._is_trial:
             return points_of_trial(lc.load_trial(self.file))
+        if Path(self.file).suffix.lower() in FILM_ENDINGS:
+            raise BadArgument(
+                "file",
+                "must be points of a tracker, or a trial, not the film itself: "
+                "`laticauda track` finds tags in a film, and makes a trial with --save",
+            )
         points = read_points(self.file, frame_rate=self.frame_rate, individual=self.individual)
         if self.calibration is not None:
             return points_on_plane(points, load_calibration(self.calibration))
@@ -173,7 +185,8 @@ class Inverse(Command):
             "outliers": fit.n_outliers,
             "effective_freedoms": fit.freedoms,
             "log_evidence": fit.log_evidence,
-            "remarks": list_remarks(forces),
+            "doubts": list_doubts(forces),
+            "remarks": [*forces.fit.points.notes, *list_remarks(forces)],
             "files": files,
         }
 
@@ -187,13 +200,17 @@ def _facts_of(figure: Estimate) -> dict[str, Any]:
     }
 
 
-def _describe(forces: FilmForces, points: TrackedPoints, files: list[str]) -> str:
+def _describe(forces: FilmForces, files: list[str]) -> str:
     rows = [["", "median", "95 % interval", "", "film", "water", "body"]]
     rows += [_row_of(figure) for figure in forces.figures.values()]
     links = [_row_of(figure) for figure in forces.link_figures]
     links[0][0] += ", the tail"
-    parts = [summarize(forces), align_columns([*rows, *links], right=(1, 4, 5, 6))]
-    parts.append("\n".join([*points.notes, *list_remarks(forces)]))
+    parts = [summarize(forces)]
+    doubts = list_doubts(forces)
+    if doubts:
+        parts.append("\n".join(f"Doubt: {doubt}" for doubt in doubts))
+    parts.append(align_columns([*rows, *links], right=(1, 4, 5, 6)))
+    parts.append("\n".join([*forces.fit.points.notes, *list_remarks(forces)]))
     if files:
         parts.append(f"Written: {', '.join(files)}")
     return "\n\n".join(parts)

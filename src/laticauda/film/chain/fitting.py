@@ -13,6 +13,7 @@ The traces are means over draws of the posterior, the same ones in every step.
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -80,6 +81,7 @@ def fit_chain(
     *,
     harmonics: int | None = None,
     seed: int = 0,
+    on_progress: Callable[[float], object] | None = None,
 ) -> ChainFit:
     """Fit a chain of links of fixed lengths to all frames of a film at once.
 
@@ -93,6 +95,7 @@ def fit_chain(
         harmonics: Number of harmonics of the gait that may repeat in every cycle; None: three if the film
             holds at least one and a half cycles, else none.
         seed: Seed of the draws that stand for traces.
+        on_progress: Called with the share of the steps that are done, at most.
 
     Returns:
         The fit, from which whole motions are drawn.
@@ -129,8 +132,10 @@ def fit_chain(
         harmonics=_choose_harmonics(points.time, frequency, harmonics),
     )
     state = _Search.begin(model, guess, frequency, seed)
-    for _ in range(MOST_STEPS):
+    for step in range(MOST_STEPS):
         state = state.step()
+        if on_progress is not None:
+            on_progress((step + 1) / MOST_STEPS)
         if state.is_over:
             break
     return state.result(points)

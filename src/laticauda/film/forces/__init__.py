@@ -7,6 +7,9 @@ free_swim    how fast the model swims with the filmed joint angles
 estimates    figures with median, interval and where it comes from
 inverse      `find_forces`
 from_points  `invert_points`: from tracked points in one call
+stretch      whether lengths in the film are those of the body
+doubts       signs that a figure may be wrong
+progress     shares of the parts in the whole work
 measured     films as measurements for `laticauda.identify`
 words        a filmed swim in words
 picture      its figure
@@ -19,6 +22,7 @@ from laticauda.values import lazy_exports
 
 if TYPE_CHECKING:
     from laticauda.film.forces.assumptions import Assumptions as Assumptions
+    from laticauda.film.forces.doubts import list_doubts as list_doubts
     from laticauda.film.forces.estimates import Estimate as Estimate
     from laticauda.film.forces.from_points import (
         guess_places as guess_places,
@@ -36,6 +40,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
     __name__,
     {
         "laticauda.film.forces.assumptions": ["Assumptions"],
+        "laticauda.film.forces.doubts": ["list_doubts"],
         "laticauda.film.forces.estimates": ["Estimate"],
         "laticauda.film.forces.from_points": [
             "guess_places",

@@ -10,7 +10,7 @@ from laticauda.film.forces.assumptions import Draw
 from laticauda.film.forces.window import SAMPLES_PER_CYCLE, Window
 from laticauda.models.simulate import swim_many
 from laticauda.motion.gaits import JointAngles, recorded_gait
-from laticauda.scenarios import Start
+from laticauda.scenarios import Start, limit_case
 
 KNOTS_PER_CYCLE = 24
 """Knots of the repeated joint angles in a cycle."""
@@ -54,19 +54,21 @@ def swim_draws(
     period = window.duration / window.n_cycles
     gaits = [recorded_gait(_repeat_cycle(motions[i], window)) for i in range(n_swims)]
     settled, end = SETTLING_CYCLES * period, (SETTLING_CYCLES + COUNTED_CYCLES) * period
-    before, after = (
-        swim_many(
-            [draw.robot for draw in draws[:n_swims]],
-            gaits,
-            duration,
-            environments=[draw.water for draw in draws[:n_swims]],
-            starts=Start(velocity=speed),
-            dt=period / STEPS_PER_CYCLE,
-            sample_interval=period / 4.0,
-            threads=threads,
+    # What is odd about a filmed swim is said of the film (`list_doubts`), not of its draws.
+    with limit_case():
+        before, after = (
+            swim_many(
+                [draw.robot for draw in draws[:n_swims]],
+                gaits,
+                duration,
+                environments=[draw.water for draw in draws[:n_swims]],
+                starts=Start(velocity=speed),
+                dt=period / STEPS_PER_CYCLE,
+                sample_interval=period / 4.0,
+                threads=threads,
+            )
+            for duration in (settled, end)
         )
-        for duration in (settled, end)
-    )
     moved = np.linalg.norm(after.center_of_mass - before.center_of_mass, axis=1)
     work = after.mechanical_power * end - before.mechanical_power * settled
     unknown = np.full(len(draws) - n_swims, np.nan)

@@ -7,7 +7,7 @@ included; forces and torques are those of the model in that state. Two things te
 - the speed at which the model swims with the same joint angles when its root is free.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -24,14 +24,21 @@ from laticauda.film.forces.assumptions import (
 from laticauda.film.forces.estimates import Estimate, estimate
 from laticauda.film.forces.free_swim import FreeSwims, swim_draws
 from laticauda.film.forces.loads import LoadDraws, evaluate_draws
+from laticauda.film.forces.progress import ignore_progress, part_of_progress
 from laticauda.film.forces.window import Window, choose_window
 from laticauda.robot import Water
-from laticauda.values import check_instance, check_whole_number
+from laticauda.values import BadArgument, check_instance, check_whole_number
 
 USUAL_DRAWS = 200
 """Draws of motion, body and water."""
 USUAL_SWIMS = 60
 """Draws that swim with a free root."""
+FEWEST_FRAMES = 12
+"""Frames of a film at least: forces are those of accelerations, which fewer do not show."""
+STILL = 1e-3
+"""Path by the length of the body, and joint angle in rad, up to which nothing moves."""
+SHARE_OF_LOADS = 0.6
+"""Share of the loads of all draws in the time after the fit."""
 GRAVITY = 9.81
 """g, by which the cost of transport is defined [m/s^2]."""
 
@@ -111,7 +118,7 @@ class FilmForces:
             "froude_efficiency": ("Froude efficiency", "", self.thrust * speed / power),
             "cost_of_transport": ("cost of transport", "", power / (weight * speed)),
             "left_over": ("mean force left over", "N", left_over),
-            "left_over_share": ("mean force left over, by thrust", "", left_over / self.thrust),
+            "left_over_share": ("mean force left over, by thrust", "", self._by_thrust(left_over)),
             "left_over_rms": ("force left over, rms", "N", size),
         }
         if self.swims is not None:
@@ -134,6 +141,11 @@ class FilmForces:
         """Whether the water explains the mean motion: 0 lies in the interval of the mean force left over."""
         return self.figures["left_over"].holds(0.0)
 
+    def _by_thrust(self, force: Float[np.ndarray, " n_draws"]) -> Float[np.ndarray, " n_draws"]:
+        """Return a force by the thrust; nan in draws in which no link pushes [-]."""
+        pushing = np.where(self.thrust > 0.0, self.thrust, np.nan)
+        return force / pushing
+
     def _mean(self, series: Float[np.ndarray, "n_draws n_times ..."]) -> np.ndarray:
         """Return the mean over the span in every draw."""
         return self.window.mean(np.moveaxis(series, 1, 0))
@@ -150,6 +162,7 @@ def find_forces(
     n_swims: int = USUAL_SWIMS,
     seed: int = 0,
     threads: int | None = None,
+    on_progress: Callable[[float], object] | None = None,
 ) -> FilmForces:
     """Find forces, power and efficiency of a filmed swim, each with an interval.
 
@@ -165,6 +178,7 @@ def find_forces(
         n_swims: Number of draws that swim with a free root as well; 0: none does.
         seed: Seed of the draws.
         threads: Number of threads of the free swims; None uses all cores.
+        on_progress: Called with the share of the work that is done.
 
     Returns:
         The figures, and everything that they were computed from.
@@ -175,13 +189,23 @@ def find_forces(
     check_instance("fit", fit, ChainFit)
     check_whole_number("n_draws", n_draws, 40, 100_000)
     check_whole_number("n_swims", n_swims, 0, 100_000)
+    if fit.points.n_frames < FEWEST_FRAMES:
+        rule = f"must hold at least {FEWEST_FRAMES} frames, for fewer do not show accelerations"
+        raise BadArgument("points", f"{rule}, got {fit.points.n_frames}")
+    _check_motion(fit)
     window = choose_window(fit, span)
     motions = fit.draw(n_draws, window.time, seed=seed)
     moved = np.linalg.norm(motions.center_of_mass[:, -1] - motions.center_of_mass[:, 0], axis=1)
     speed = float(np.median(moved)) / window.duration
     assumptions = _assumptions_of(fit, water, speed, body_deviation, scale_deviation)
     assumed = draw_assumptions(fit.robot, assumptions, n_draws, seed + 1)
-    loads = evaluate_draws(motions, assumed.draws, assumed.scale)
+    report = ignore_progress if on_progress is None else on_progress
+    loads = evaluate_draws(
+        motions,
+        assumed.draws,
+        assumed.scale,
+        on_progress=part_of_progress(report, 0.0, SHARE_OF_LOADS),
+    )
     swims = None
     if window.n_cycles and n_swims:
         swims = swim_draws(motions, assumed.draws, window, speed, n_swims=n_swims, threads=threads)
@@ -194,6 +218,19 @@ def find_forces(
         loads=loads,
         swims=swims,
     )
+
+
+def _check_motion(fit: ChainFit) -> None:
+    """Refuse a film in which nothing moves, whose figures would be quotients of nothing."""
+    motion = fit.motion(fit.model.time)
+    moved = float(np.max(np.ptp(motion.center_of_mass, axis=0)))
+    bent = float(np.max(np.ptp(motion.joint_angle, axis=0)))
+    if moved < STILL * fit.robot.length and bent < STILL:
+        rule = "must show a body that moves"
+        raise BadArgument(
+            "points",
+            f"{rule}: it stays within {1e3 * moved:.2g} mm, and its joints within {bent:.2g} rad",
+        )
 
 
 def _assumptions_of(

@@ -1,5 +1,6 @@
 """Loads of every draw of a motion: forces along the body, torques, and what the water does not explain."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -7,6 +8,7 @@ from jaxtyping import Float
 
 from laticauda.film.chain import ChainMotion
 from laticauda.film.forces.assumptions import Draw
+from laticauda.film.forces.progress import ignore_progress
 from laticauda.models.planar import GivenMotion, evaluate_motion
 from laticauda.models.planar.model import PlanarPlant
 from laticauda.scenarios import Planar
@@ -37,7 +39,11 @@ class LoadDraws:
 
 
 def evaluate_draws(
-    motions: ChainMotion, draws: tuple[Draw, ...], scale: Float[np.ndarray, " n_draws"]
+    motions: ChainMotion,
+    draws: tuple[Draw, ...],
+    scale: Float[np.ndarray, " n_draws"],
+    *,
+    on_progress: Callable[[float], object] = ignore_progress,
 ) -> LoadDraws:
     """Return the loads of every draw.
 
@@ -45,6 +51,7 @@ def evaluate_draws(
         motions: A motion of every draw.
         draws: Its body and water.
         scale: Factor of the root's motion: how much larger the film's scale may be.
+        on_progress: Called with the share of draws that are done.
     """
     n_draws, n_times = motions.coordinates.shape[:2]
     n_links = draws[0].robot.n_links
@@ -59,6 +66,7 @@ def evaluate_draws(
         link_force[i], torque[i] = loads.link_force, loads.joint_torque
         acceleration = float(scale[i]) * motion.accelerations[:, :2]
         left_over[i] = loads.left_over(acceleration, motion.accelerations[:, 2])
+        on_progress((i + 1) / n_draws)
     return LoadDraws(
         link_force=link_force,
         joint_torque=torque,

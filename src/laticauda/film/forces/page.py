@@ -5,6 +5,7 @@ from functools import partial
 from pathlib import Path
 
 from laticauda.film.chain.result import SURE
+from laticauda.film.forces.doubts import list_doubts
 from laticauda.film.forces.estimates import SOURCES, Estimate
 from laticauda.film.forces.inverse import FilmForces
 from laticauda.film.forces.picture import draw_forces
@@ -43,7 +44,8 @@ def write_page(forces: FilmForces, folder: str | Path, command: str = "") -> lis
         values={
             "forces": forces,
             "summary": summarize(forces),
-            "remarks": list_remarks(forces),
+            "doubts": list_doubts(forces),
+            "remarks": [*forces.fit.points.notes, *list_remarks(forces)],
             "command": command,
             "version": __version__,
         },

@@ -76,7 +76,7 @@ def choose_window(fit: ChainFit, span: tuple[float, float] | None = None) -> Win
     first, last = float(fit.model.time[0]), float(fit.model.time[-1])
     begin, end = span or (first, last)
     if not first <= begin < end <= last:
-        rule = f"must lie within the film, {first:.4g} to {last:.4g} s"
+        rule = f"must go from a begin to a later end within the film, {first:.4g} to {last:.4g} s"
         raise BadArgument("span", f"{rule}, got {begin:.4g} to {end:.4g}")
     if fit.frequency == 0.0:
         margin = END_SHARE * (last - first)
@@ -85,7 +85,12 @@ def choose_window(fit: ChainFit, span: tuple[float, float] | None = None) -> Win
     begin, end = max(begin, first + margin), min(end, last - margin)
     n_cycles = min(math.floor((end - begin) * fit.frequency + 1e-6), MOST_CYCLES)
     if n_cycles < 1:
-        rule = f"must hold a whole cycle of {1.0 / fit.frequency:.3g} s without its ends"
-        raise BadArgument("span", f"{rule}, got {end - begin:.3g} s")
+        period = 1.0 / fit.frequency
+        rule = (
+            f"must hold a whole cycle of {period:.3g} s, and a quarter of one before and after it, "
+            f"{(1.0 + 2.0 * END_CYCLES) * period:.3g} s of the film"
+        )
+        asked_begin, asked_end = span or (first, last)
+        raise BadArgument("span", f"{rule}, got {asked_end - asked_begin:.3g} s; film longer")
     middle, half = 0.5 * (begin + end), 0.5 * n_cycles / fit.frequency
     return Window(begin=middle - half, end=middle + half, n_cycles=n_cycles)

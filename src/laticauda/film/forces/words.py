@@ -1,24 +1,32 @@
 """A filmed swim in words: what was found, what it rests on, and what the film says against the water."""
 
+import numpy as np
+
+from laticauda.film.forces.doubts import share_of_misfit
 from laticauda.film.forces.estimates import Estimate
 from laticauda.film.forces.inverse import FilmForces
 
 SMALL_SHARE = 0.1
 """Force left over, by thrust, that a right water leaves, too."""
+WEAK_TEST = 1.0
+"""Width of the interval of the force left over, by the thrust, above which it tests nothing."""
 FEW_POINTS = 0.7
 """Points per link below which joint angles rest on the prior as well."""
 
 
 def summarize(forces: FilmForces) -> str:
-    """Return speed and power in a sentence.
+    """Return speed, power, and how well the chain holds.
 
     Args:
         forces: The figures.
     """
     speed, power = forces.figures["speed"], forces.figures["mechanical_power"]
+    fit = forces.fit
     return (
-        f"{forces.fit.robot.name} swims at {write_interval(speed)}; its joints deliver "
-        f"{write_interval(power)} (medians and 95 % intervals)."
+        f"{fit.robot.name} swims at {write_interval(speed)}; its joints deliver "
+        f"{write_interval(power)} (medians and 95 % intervals). The points are "
+        f"{1e3 * float(np.median(fit.noise)):.2g} mm from the fitted chain (median of their noise), "
+        f"{share_of_misfit(forces):.1%} of the body's length."
     )
 
 
@@ -56,8 +64,12 @@ def list_remarks(forces: FilmForces) -> list[str]:
             f"{n_points} points for {fit.robot.n_links} links: joint angles between them rest on the prior."
         )
     if not fit.has_settled:
-        remarks.append("The weights of the fit had not quite settled after its last step.")
+        remarks.append(
+            "The search for the smoothness of the motion stopped before it had quite settled: intervals of power may "
+            "be off by some per cent."
+        )
     remarks.append(_describe_water(forces))
+    remarks += _describe_exact(forces)
     remarks.append(_describe_left_over(forces))
     if window.n_cycles and forces.swims is not None:
         remarks.append(_describe_free_swim(forces))
@@ -85,13 +97,28 @@ def _describe_water(forces: FilmForces) -> str:
     return f"The water `{water}` is known to its intervals alone: {numbers}."
 
 
+def _describe_exact(forces: FilmForces) -> list[str]:
+    """Return a sentence on what the intervals take for exact."""
+    exact: list[str] = []
+    if forces.assumptions.scale_deviation == 0.0:
+        exact.append("the scale of the film (--scale-deviation)")
+    if forces.assumptions.body_deviation == 0.0:
+        exact.append("height and width of the body (--body-deviation)")
+    if not exact:
+        return []
+    return [f"The intervals take for exact: {' and '.join(exact)}."]
+
+
 def _describe_left_over(forces: FilmForces) -> str:
     figure, share = forces.figures["left_over"], forces.figures["left_over_share"]
     value = f"{figure.median:.3g} N ({figure.low:.3g} to {figure.high:.3g}), {share.median:.0%} of the thrust"
     if forces.explains:
-        return (
-            f"The water explains the mean motion: {value} are left over, none within the interval."
-        )
+        if share.high - share.low > WEAK_TEST:
+            return (
+                f"The film hardly tests the water: {value} are left over, anything from {share.low:.0%} to "
+                f"{share.high:.0%} of it. Water that is known (--water), or a longer film, would tell more."
+            )
+        return f"The water explains the mean motion: {value} are left over; 0 lies in the interval."
     if abs(share.median) < SMALL_SHARE:
         return f"The water nearly explains the mean motion: {value} are left over."
     way = "brakes too much or pushes too little"

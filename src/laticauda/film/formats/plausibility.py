@@ -11,6 +11,12 @@ LONGEST_BODY = 40.0
 """Length of a body at most: that of a blue whale and more [m]."""
 SHORTEST_BODY = 1e-4
 """Length of a body at least; a rotifer is 0.1 to 0.5 mm long [m]."""
+SLOWEST_FILM = 0.5
+"""Frames per second of a film at least, below which times are in another unit [1/s]."""
+LARGEST_JUMP = 0.5
+"""Distance, by the length of the body, by which no body moves from one frame to the next [-]."""
+SUDDEN = 8.0
+"""The same distance by the usual one from frame to frame [-]."""
 SMALLEST_PICTURE = 2.0
 """Positions that all lie within so many pixels are not in pixels [px]."""
 N_FRAMES_OF_STEP = 4
@@ -36,8 +42,10 @@ def check_plausible(points: TrackedPoints, body_length: float | None = None) -> 
         length = measure_extent(points.position)
     if points.unit == "m" and length > 0.0:
         _check_metres(length)
+    _check_rate(points)
     if length > 0.0:
         _check_speed(points, length)
+        _check_jumps(points, length)
 
 
 def measure_extent(position: Float[np.ndarray, "n_frames n_points 2"]) -> float:
@@ -89,3 +97,51 @@ def _check_speed(points: TrackedPoints, length: float) -> None:
             f"its points move by {usual:.0f} body lengths per second; is the frame rate of "
             f"{points.frame_rate:.6g} frames per second right?"
         )
+
+
+def _check_rate(points: TrackedPoints) -> None:
+    if points.frame_rate < SLOWEST_FILM:
+        raise ValueError(
+            f"its frames are {1.0 / points.frame_rate:.3g} s apart, at least {SLOWEST_FILM:g} frames per second make a "
+            "film; are its times in ms? State their unit, as in `time [ms]`, or the frame rate."
+        )
+
+
+def _check_jumps(points: TrackedPoints, length: float) -> None:
+    """Refuse a track that goes on elsewhere from one frame to the next, as where two individuals were swapped.
+
+    A tracker that errs for a frame comes back, which is no jump: places before and after are medians of
+    three frames.
+    """
+    if points.n_frames < 2 * N_FRAMES_OF_STEP:
+        return
+    steps = _median_distance(points.position[1:], points.position[:-1])
+    if not np.isfinite(steps).any():
+        return
+    usual = float(np.nanmedian(steps))
+    least = max(LARGEST_JUMP * length, SUDDEN * usual)
+    for frame in np.flatnonzero(steps > least):
+        before = points.position[max(frame - 2, 0) : frame + 1]
+        after = points.position[frame + 1 : frame + 4]
+        n_pairs = min(len(before), len(after))
+        left = _median_distance(after[:n_pairs], before[-n_pairs:])
+        if n_pairs < 2 or float(np.nanmin(left)) < least:
+            continue
+        raise ValueError(
+            f"its points jump by {steps[frame]:.3g} {points.unit}, {steps[frame] / length:.2g} body lengths, from "
+            f"{points.time[frame]:.4g} to {points.time[frame + 1]:.4g} s, and stay there: has another individual taken "
+            "over the track? Correct it in the tracker, or cut the film there."
+        )
+
+
+def _median_distance(
+    here: Float[np.ndarray, "n n_points 2"], there: Float[np.ndarray, "n n_points 2"]
+) -> Float[np.ndarray, " n"]:
+    """Return the median over points of their distances in each frame; nan where none is in both."""
+    distances = np.linalg.norm(here - there, axis=2)
+    medians = np.full(len(distances), np.nan)
+    for i, row in enumerate(distances):
+        known = row[np.isfinite(row)]
+        if known.size:
+            medians[i] = np.median(known)
+    return medians

@@ -93,7 +93,7 @@ def _seen_from_to(track: BodyTrack) -> tuple[float, float]:
     is_seen = np.isfinite(track.center_of_mass).all(axis=1)
     is_seen &= np.isfinite(track.link_angle).all(axis=1)
     if np.count_nonzero(is_seen) < 2:
-        raise ValueError("the whole body must be seen_frames in two frames at least.")
+        raise ValueError("the whole body must be seen in two frames at least.")
     seen_frames = np.flatnonzero(is_seen)
     return float(track.time[seen_frames[0]]), float(track.time[seen_frames[-1]])
 
