@@ -142,8 +142,16 @@ class CaudalFin:
         "N m^2 s", "eta I of the plate, with its viscosity eta", ge=0.0, default=0.0
     )
     joint: Joint | None = option("A driven hinge at the root, or None", default=None)
+    silhouette: tuple[tuple[float, ...], ...] | None = quantity(
+        "m",
+        "Corners of the upper half of its silhouette, swept or forked: distance behind the root and height; "
+        "None: a rectangle",
+        default=None,
+    )
 
     def __post_init__(self) -> None:
+        if self.silhouette is not None:
+            self._check_silhouette(self.silhouette)
         if self.opening_length >= self.length:
             raise BadArgument(
                 "opening_length",
@@ -157,6 +165,25 @@ class CaudalFin:
         if self.joint is not None and self.joint.axis != "yaw":
             raise BadArgument(
                 "joint.axis", f"must be `yaw`: the fin is upright, got `{self.joint.axis}`"
+            )
+
+    def _check_silhouette(self, corners: tuple[tuple[float, ...], ...]) -> None:
+        """Reject a silhouette that is no area within the rectangle of length and height."""
+        fits = len(corners) >= 3 and all(
+            len(corner) == 2
+            and 0.0 <= corner[0] <= self.length
+            and 0.0 <= corner[1] <= 0.5 * self.height
+            for corner in corners
+        )
+        if not fits or self.area <= 0.0:
+            raise BadArgument(
+                "silhouette",
+                "must be at least three corners (distance behind the root from 0 to the `length`, height "
+                f"from 0 to half the `height`, in m) around an area, got {corners}",
+            )
+        if self.opening_length > 0.0 or self.n_hinges > 0:
+            raise BadArgument(
+                "silhouette", "must be None for a fin with an opening or hinges, got corners"
             )
 
     @property
@@ -185,9 +212,20 @@ class CaudalFin:
         )
 
     @property
+    def area(self) -> float:
+        """Area of one face, opening included [m^2]."""
+        if self.silhouette is None:
+            return self.length * self.height
+        corners = self.silhouette
+        doubled = 0.0
+        for (x_0, z_0), (x_1, z_1) in zip(corners, (*corners[1:], corners[0]), strict=True):
+            doubled += x_0 * z_1 - x_1 * z_0
+        return abs(doubled)
+
+    @property
     def volume(self) -> float:
         """Volume of the plate, opening included [m^3]."""
-        return self.length * self.height * self.thickness
+        return self.area * self.thickness
 
     @property
     def mass(self) -> float:

@@ -283,6 +283,12 @@ def check_fits(robot: Robot, environment: Environment) -> None:
     """
     if isinstance(environment, Ground):
         return
+    fin = robot.caudal_fin
+    if fin is not None and fin.silhouette is not None and environment.trailing_edge == "elongated":
+        raise BadArgument(
+            "trailing_edge",
+            "must be `finite-span` or `none` for a fin with a `silhouette`, got 'elongated'",
+        )
     if environment.trailing_edge == "finite-span":
         refusal = finite_span_refusal(robot)
         if refusal is not None:

@@ -38,9 +38,12 @@ from jaxtyping import Float
 
 from laticauda.robot import CaudalFin, Environment, Ground, Module, Robot, Water
 from laticauda.robot.plates import PlateCoefficients, plate_of_fin, plates_of_modules
+from laticauda.robot.silhouettes import fin_plate, strip_heights
 from laticauda.values import BadArgument, explain
-from laticauda.water.fluid.edges import NO_CAP, Plate, build_plate, plate_functions
+from laticauda.water.fluid.edges import NO_CAP, Plate
 
+SMALLEST_OFFSET = 1e-9
+"""Offset of two centers below which they are one, relative to a fin's length [-]."""
 _LOADS = ("c_t", "c_n", "mu_t", "mu_n", "lambda_1", "lambda_2", "lambda_3")
 _Number = TypeVar("_Number", float, np.ndarray)
 
@@ -251,23 +254,18 @@ def fin_edge(robot: Robot, water: Water) -> FinEdge | None:
     fin = robot.caudal_fin
     if fin is None or water.trailing_edge != "finite-span":
         return None
-    chord = _chord(fin)
-    functions = plate_functions(fin.height / chord)
-    plate = build_plate(
-        functions,
-        mass_per_length=wake_mass(robot, water),
-        chord=chord,
-        height=fin.height,
+    mass_per_length = wake_mass(robot, water)
+    plate = fin_plate(fin)
+    numbers = Plate(
+        lift_mass=plate.lift * mass_per_length,
+        added_mass=plate.mass * mass_per_length,
+        lever=plate.control - plate.lift_center,
+        suction=1.0 - 0.5 * plate.lift,
+        instant=1.0 / (2.0 - plate.lift),
         cap=override_or_default(water.edge_clip, NO_CAP),
+        lag=plate.lag,
     )
-    return FinEdge(plate=plate, distance=fin.length - functions.center * chord)
-
-
-def _chord(fin: CaudalFin) -> float:
-    """Return the length of the plate that the water meets: without an open opening [m]."""
-    if fin.opening == "open":
-        return fin.length - fin.opening_length
-    return fin.length
+    return FinEdge(plate=numbers, distance=plate.control)
 
 
 def override_or_default(override: float | None, water: float) -> float:
@@ -342,23 +340,26 @@ def _link_loads(
 def _fin_in_water(fin: CaudalFin, water: Water) -> Coefficients:
     edges = _strip_edges(fin, closed=fin.opening == "closed")
     d, h, rho = np.diff(edges), fin.height, water.density
+    heights = strip_heights(fin, edges)
     zero = np.zeros_like(d)
     mu_n = mass_across(added_mass_of_fin(fin, water), h / 2.0, water) * d
     mu_n *= immersion_factor(h / 2.0, water.depth)
-    c_n = 0.5 * rho * drag_of_fin(fin, water) * h * d
+    mass_per_length = float(mu_n.sum() / d.sum())
+    mu_n *= (heights / h) ** 2
+    c_n = 0.5 * rho * drag_of_fin(fin, water) * heights * d
     c_t = (
         0.5
         * rho
         * override_or_default(fin.tangential_friction, water.tangential_friction)
         * 2.0
-        * h
+        * heights
         * d
     )
     lambdas = (
         _strip_lambdas(mu_n, c_n, d / 2.0) if water.rotational == "strip" else (zero, zero, zero)
     )
     if water.trailing_edge == "finite-span":
-        mu_n, lambda_1 = _spread_added_mass(fin, edges, mu_n)
+        mu_n, lambda_1 = _spread_added_mass(fin, edges, heights, mass_per_length)
         lambdas = (lambda_1, *lambdas[1:])
     return _strips(fin, edges, (c_t, c_n, zero, mu_n, *lambdas), rho)
 
@@ -376,19 +377,25 @@ def _areas_in_water(robot: Robot, water: Water) -> Coefficients | None:
 
 
 def _spread_added_mass(
-    fin: CaudalFin, edges: np.ndarray, slender: np.ndarray
+    fin: CaudalFin, edges: np.ndarray, heights: np.ndarray, mass_per_length: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return added mass and inertia of the strips of a fin of finite span, from the mass of slender strips.
+    """Return added mass and inertia of the strips of a fin of finite span, from m' of a slender plate of its height.
+
+    The masses go with the squares of the strips' heights, more toward one end so that their center is the plate's.
 
     The inertia of a strip is what the plate's moment of inertia lacks beyond that of the strips' masses;
     it is negative where the water near the ends of the plate moves less than that in its middle.
     """
-    chord = _chord(fin)
-    functions = plate_functions(fin.height / chord)
-    mu_n = functions.added_mass * slender
-    middle = 0.5 * (edges[0] + edges[-1])
-    arm = 0.5 * (edges[:-1] + edges[1:]) - middle
-    whole = functions.rotary * slender.sum() * chord**2 / 12.0
+    plate = fin_plate(fin)
+    shares = heights**2 * np.diff(edges)
+    shares = shares / shares.sum()
+    arm = 0.5 * (edges[:-1] + edges[1:]) - plate.center
+    offset = float(shares @ arm)
+    if abs(offset) > SMALLEST_OFFSET * fin.length:
+        spread = float(shares @ (arm - offset) ** 2)
+        shares = shares * (1.0 - offset * (arm - offset) / spread)
+    mu_n = plate.mass * mass_per_length * shares
+    whole = plate.inertia * mass_per_length
     lacking = whole - mu_n @ (arm * arm)
     return mu_n, np.full_like(mu_n, lacking / mu_n.size)
 

@@ -333,6 +333,8 @@ def _fin_surface(robot: Robot) -> float:
     fin = robot.caudal_fin
     if fin is None:
         return 0.0
+    if fin.silhouette is not None:
+        return 2.0 * fin.area
     opening_length = fin.opening_length if fin.opening == "open" else 0.0
     return 2.0 * fin.height * (fin.length - opening_length)
 

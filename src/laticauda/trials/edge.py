@@ -116,6 +116,8 @@ def edge_aspect(robot: Robot) -> float:
     fin = robot.caudal_fin
     if fin is None:
         return 2.0 * robot.modules[0].section.half_height / robot.length
+    if fin.silhouette is not None:
+        return fin.height**2 / fin.area
     opening_length = 0.0
     if fin.opening == "open":
         opening_length = fin.opening_length

@@ -111,6 +111,70 @@ def test_a_finite_span_requires_the_form_that_conserves_momentum():
         replace(WATER, added_mass_form="relative")
 
 
+# ---- silhouettes ---------------------------------------------------------------------------------
+
+RECTANGLE = ((0.0, 0.0), (0.0, 0.1), (0.06, 0.1), (0.06, 0.0))
+FORKED = ((0.0, 0.0), (0.0, 0.02), (0.04, 0.1), (0.06, 0.1), (0.03, 0.0))
+
+
+def shaped(corners, **changes):
+    return replace(BROAD, caudal_fin=replace(BROAD.caudal_fin, silhouette=corners, **changes))
+
+
+def test_a_silhouette_that_is_a_rectangle_has_the_numbers_of_the_table():
+    by_lattice = PlanarPlant(robot=shaped(RECTANGLE), environment=WATER).layout.template
+    by_table = PlanarPlant(robot=BROAD, environment=WATER).layout.template
+    edge = slice(rows.EDGE, rows.EDGE_LAG + 1)
+    assert by_lattice[edge] == pytest.approx(by_table[edge], rel=0.01)
+    body = rows.HEADER_ROWS
+    for row in (rows.INERTIA, rows.COUPLING, rows.MASS_N):
+        assert by_lattice[body + row] == pytest.approx(by_table[body + row], rel=0.01)
+
+
+def test_a_forked_fin_has_less_area_and_less_added_mass_and_swims():
+    forked = shaped(FORKED)
+    assert forked.caudal_fin.area == pytest.approx(2.0 * 0.0029)
+    rectangular = PlanarPlant(robot=BROAD, environment=WATER).coefficients.fin
+    strips = PlanarPlant(robot=forked, environment=WATER).coefficients.fin
+    # That of a broad plate goes with the square of its chord.
+    assert 0.15 < strips.mu_n.sum() / rectangular.mu_n.sum() < 0.35
+    assert np.all(strips.mu_n >= 0.0)
+    share = strips.c_n.sum() / rectangular.c_n.sum()
+    assert share == pytest.approx(forked.caudal_fin.area / BROAD.caudal_fin.area, rel=0.02)
+    trial = lc.swim(forked, GAIT, duration=5.0, environment=WATER)
+    assert trial.succeeded
+    assert trial.forward_velocity > 0.01
+
+
+def test_a_silhouette_is_read_from_the_robots_file(tmp_path):
+    path = tmp_path / "forked.toml"
+    path.write_text(lc.robot.to_toml(shaped(FORKED)), encoding="utf-8")
+    assert load_robot(path).caudal_fin.silhouette == FORKED
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"silhouette": ((0.0, 0.0), (0.1, 0.1), (0.06, 0.0))}, "must be at least three corners"),
+        ({"silhouette": ((0.0, 0.0), (0.06, 0.0))}, "must be at least three corners"),
+        (
+            {"silhouette": FORKED, "opening_length": 0.01},
+            "must be None for a fin with an opening or hinges",
+        ),
+    ],
+)
+def test_a_silhouette_that_is_no_area_of_the_fin_is_refused(changes, message):
+    with pytest.raises(ValueError, match=message):
+        replace(BROAD.caudal_fin, **changes)
+
+
+def test_a_silhouette_needs_the_law_that_knows_it():
+    with pytest.raises(
+        ValueError, match="must be `finite-span` or `none` for a fin with a `silhouette`"
+    ):
+        PlanarPlant(robot=shaped(FORKED), environment=replace(WATER, trailing_edge="elongated"))
+
+
 # ---- ways of running -----------------------------------------------------------------------------
 
 ROBOTS = {

@@ -220,6 +220,24 @@ def test_the_edge_of_a_finite_span_swims_in_space_as_in_the_plane(joints, bound,
     assert np.linalg.norm(ends[0] - ends[1]) < bound * np.linalg.norm(ends[0])
 
 
+def test_a_forked_fin_swims_in_space_as_in_the_plane():
+    corners = ((0.0, 0.0), (0.0, 0.02), (0.08, 0.1), (0.12, 0.1), (0.06, 0.0))
+    ends = []
+    for model in ("planar", "spatial"):
+        settings = {"root": "planar"} if model == "spatial" else {}
+        trial = lc.swim(
+            broad_robot(silhouette=corners),
+            SWIM,
+            4.0,
+            environment=SPANNED,
+            dt=0.001,
+            model=model,
+            **settings,
+        )
+        ends.append(trial.center_of_mass[-1, :2])
+    assert np.linalg.norm(ends[0] - ends[1]) < 1e-5 * np.linalg.norm(ends[0])
+
+
 def test_a_run_with_an_edge_of_finite_span_is_resumed_in_space_to_the_last_bit():
     plant = lc.build_plant(broad_robot(), SPANNED, model="spatial")
     command = lc.Command(gait=SWIM)
