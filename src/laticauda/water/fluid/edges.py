@@ -106,32 +106,32 @@ def plate_functions(aspect: float) -> PlateFunctions:
         return _approach(slender_plate(), slender_plate(), first, aspect / lowest)
     if aspect > highest:
         return _approach(broad_plate(aspect), broad_plate(highest), last, highest / aspect)
-    place = math.log(aspect)
-    return PlateFunctions(*np.exp(_interpolate(place)).tolist())
+    log_aspect = math.log(aspect)
+    return PlateFunctions(*np.exp(_interpolate(log_aspect)).tolist())
 
 
 def _approach(
-    limit: PlateFunctions, limit_there: PlateFunctions, there: PlateFunctions, share: float
+    limit: PlateFunctions, limit_at_end: PlateFunctions, at_end: PlateFunctions, share: float
 ) -> PlateFunctions:
     """Return the limit of the functions, off by a share of their relative distance from it at the table's end."""
     values: list[float] = []
-    for at_limit, at_limit_there, value in zip(limit, limit_there, there, strict=True):
-        if at_limit_there == 0.0:
+    for at_limit, at_limit_at_end, value in zip(limit, limit_at_end, at_end, strict=True):
+        if at_limit_at_end == 0.0:
             values.append(value * share)
         else:
-            values.append(at_limit * (1.0 + share * (value / at_limit_there - 1.0)))
+            values.append(at_limit * (1.0 + share * (value / at_limit_at_end - 1.0)))
     return PlateFunctions(*values)
 
 
-def _interpolate(place: float) -> np.ndarray:
+def _interpolate(log_aspect: float) -> np.ndarray:
     """Return the logarithms of all functions at log A, by cubics that are monotone where the table is."""
     places = np.log([aspect for aspect, _ in TABLE])
     logarithms = np.log([functions for _, functions in TABLE])
     gaps = np.diff(places)
     secants = np.diff(logarithms, axis=0) / gaps[:, np.newaxis]
-    k = min(int(np.searchsorted(places, place, side="right")) - 1, gaps.size - 1)
+    k = min(int(np.searchsorted(places, log_aspect, side="right")) - 1, gaps.size - 1)
     begin, end = _slope_at(k, gaps, secants), _slope_at(k + 1, gaps, secants)
-    s = (place - places[k]) / gaps[k]
+    s = (log_aspect - places[k]) / gaps[k]
     curve = (3.0 - 2.0 * s) * s * s
     bend = s * (1.0 - s) * gaps[k]
     return (

@@ -92,26 +92,26 @@ def _loads(length: float, height: float, inside: Inside | None, n_chord: int) ->
     if inside is not None:
         on = inside(x[:, np.newaxis], middles[np.newaxis, :])
     column, row = np.nonzero(on)
-    begin = column * dx
-    low, high = lines[row], lines[row + 1]
-    area = 2.0 * (high - low) * dx
-    still = _influence(x[column], middles[row], begin, begin + dx, low, high)
+    front = column * dx
+    lower, upper = lines[row], lines[row + 1]
+    area = 2.0 * (upper - lower) * dx
+    still = _influence(x[column], middles[row], front, front + dx, lower, upper)
     speeds = np.stack((np.ones(column.size), x[column]), axis=1)
     strengths = np.linalg.solve(still, speeds)
     added = -(speeds * area[:, np.newaxis]).T @ strengths
-    at_three_quarters = begin + 0.75 * dx
-    quarters = begin + 0.25 * dx
+    at_three_quarters = front + 0.75 * dx
+    quarters = front + 0.25 * dx
     ends = quarters + dx
-    last = np.full(N_HALF_SPAN, -1)
-    np.maximum.at(last, row, column)
-    ends[column == last[row]] += WAKE_SPANS * height
-    flowing = _influence(at_three_quarters, middles[row], quarters, ends, low, high)
+    last_columns = np.full(N_HALF_SPAN, -1)
+    np.maximum.at(last_columns, row, column)
+    ends[column == last_columns[row]] += WAKE_SPANS * height
+    flowing = _influence(at_three_quarters, middles[row], quarters, ends, lower, upper)
     speeds = np.stack((np.ones(column.size), at_three_quarters), axis=1)
     strengths = np.linalg.solve(flowing, speeds)
     # A ring's bound vortex, at a quarter of its cell, has its strength less that of the ring ahead.
     grid = np.zeros((n_chord + 1, N_HALF_SPAN, 2))
     grid[column + 1, row] = strengths
-    bound = (grid[column + 1, row] - grid[column, row]) * (2.0 * (high - low))[:, np.newaxis]
+    bound = (grid[column + 1, row] - grid[column, row]) * (2.0 * (upper - lower))[:, np.newaxis]
     lift, lift_of_turning = -bound.sum(axis=0)
     moment = -(quarters @ bound[:, 0])
     return PlateLoads(added, float(lift), float(moment / lift), float(lift_of_turning / lift))
@@ -120,16 +120,16 @@ def _loads(length: float, height: float, inside: Inside | None, n_chord: int) ->
 def _influence(
     x: np.ndarray,
     y: np.ndarray,
-    begin: np.ndarray,
-    end: np.ndarray,
-    low: np.ndarray,
-    high: np.ndarray,
+    front: np.ndarray,
+    back: np.ndarray,
+    lower: np.ndarray,
+    upper: np.ndarray,
 ) -> np.ndarray:
     """Return the normal velocity at points (rows) by rings of strength 1 and their mirror images (columns)."""
     px, py = x[:, np.newaxis], y[:, np.newaxis]
-    upper = _ring(px, py, begin, end, low, high)
-    lower = _ring(px, py, begin, end, -high, -low)
-    return -(upper + lower)
+    by_rings = _ring(px, py, front, back, lower, upper)
+    by_images = _ring(px, py, front, back, -upper, -lower)
+    return -(by_rings + by_images)
 
 
 def _ring(
