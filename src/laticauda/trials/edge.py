@@ -73,10 +73,14 @@ def edge_incidence(trial: Contents) -> float:
         rule = "must have at least 3 samples for an incidence"
         raise BadArgument("time", f"{rule}, got {trial.time.size}")
     velocity = _edge_velocity(trial, trial.environment)
-    is_late = trial.time >= trial.time[0] + SHARE_OF_START * np.ptp(trial.time)
+    duration = np.ptp(trial.time)
+    start_ends_at = trial.time[0] + SHARE_OF_START * duration
+    is_late = trial.time >= start_ends_at
     across = np.abs(velocity.across[is_late])
-    is_fast = across >= SHARE_OF_FASTEST * np.max(across)
-    incidence = np.arctan2(across, velocity.along[is_late])
+    along = velocity.along[is_late]
+    fastest = np.max(across)
+    is_fast = across >= SHARE_OF_FASTEST * fastest
+    incidence = np.arctan2(across, along)
     return float(np.max(incidence[is_fast]))
 
 
@@ -99,12 +103,14 @@ def _edge_velocity(trial: Contents, water: Water) -> _EdgeVelocity:
     forward = line[:, 1] - edge
     forward /= np.linalg.norm(forward, axis=1, keepdims=True)
     of_water = water.velocity(edge, trial.time)
-    relative_to_center = np.gradient(edge - center, trial.time, axis=0, edge_order=2)
-    velocity = trial.center_of_mass_velocity[:, :2] + relative_to_center - of_water
-    return _EdgeVelocity(
-        along=np.sum(velocity * forward, axis=1),
-        across=forward[:, 0] * velocity[:, 1] - forward[:, 1] * velocity[:, 0],
-    )
+    offset = edge - center
+    relative_to_center = np.gradient(offset, trial.time, axis=0, edge_order=2)
+    of_center = trial.center_of_mass_velocity[:, :2]
+    velocity = of_center + relative_to_center - of_water
+    left = np.column_stack((-forward[:, 1], forward[:, 0]))
+    along = np.sum(velocity * forward, axis=1)
+    across = np.sum(velocity * left, axis=1)
+    return _EdgeVelocity(along=along, across=across)
 
 
 def edge_aspect(robot: Robot) -> float:

@@ -118,6 +118,9 @@ def test_every_number_of_the_water_is_a_variable_or_told_as_fixed():
     spoken = {
         "drag": "drag",
         "friction_taper": "friction taper",
+        "plate_drag": "plate drag",
+        "plate_added_mass": "plate added mass",
+        "edge_clip": "edge clip",
         "added_mass_form": "form of the added mass",
         "rotational": "rotational loads",
         "trailing_edge": "trailing edge",

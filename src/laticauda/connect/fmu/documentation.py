@@ -68,6 +68,9 @@ def list_fixed_settings(tables: Tables) -> list[FixedSetting]:
         FixedSetting("form of the added mass", water.added_mass_form),
         FixedSetting("rotational loads", water.rotational),
         FixedSetting("trailing edge", water.trailing_edge),
+        FixedSetting("plate drag", f"{water.plate_drag}"),
+        FixedSetting("plate added mass", f"{water.plate_added_mass}"),
+        FixedSetting("edge clip", f"{water.edge_clip}"),
         FixedSetting("friction taper", f"{water.friction_taper:g}"),
     ]
     if water.flow:

@@ -147,10 +147,11 @@ def _slope_at(k: int, gaps: np.ndarray, secants: np.ndarray) -> np.ndarray:
         return secants[0]
     if k == len(gaps):
         return secants[-1]
-    before, after = secants[k - 1], secants[k]
+    secant_left = secants[k - 1]
+    secant_right = secants[k]
     heavy, light = 2.0 * gaps[k] + gaps[k - 1], gaps[k] + 2.0 * gaps[k - 1]
-    product = before * after
-    divisor = heavy * after + light * before
+    product = secant_left * secant_right
+    divisor = heavy * secant_right + light * secant_left
     has_slope = product > 0.0
     return np.where(has_slope, (heavy + light) * product / np.where(has_slope, divisor, 1.0), 0.0)
 
