@@ -29,6 +29,7 @@ LEFT_OUT = {
     "laticauda.cli.inverse",
     *(f"laticauda.models.planar.{name}" for name in ("drives", "loads", "recursion", "stepping")),
     *(f"laticauda.models.spatial.{name}" for name in ("drives", "stepping")),
+    "laticauda.models.simulate.harvest",
     "laticauda.water.mujoco.law_entry",
 }
 """Modules that are not imported by themselves: the templates are loaded by `compiling.templates` alone."""
