@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import laticauda as lc
-from laticauda.models.simulate import runner
+from laticauda.models.simulate import timeline
 from laticauda.robot import load_robot, load_water
 from laticauda.scenarios import Experiment
 
@@ -111,7 +111,7 @@ def test_what_a_controller_commands_is_a_command():
 
 
 def test_progress_is_told_on_the_way_and_at_the_end(monkeypatch):
-    monkeypatch.setattr(runner, "LONGEST_SPAN", 50)
+    monkeypatch.setattr(timeline, "LONGEST_SPAN", 50)
     told = []
     lc.swim(load_robot("mamba"), GAIT, duration=10.0, progress=told.append)
     assert told == pytest.approx([2.5, 5.0, 7.5, 10.0])
@@ -119,7 +119,7 @@ def test_progress_is_told_on_the_way_and_at_the_end(monkeypatch):
 
 def test_a_run_in_chunks_is_the_same_run(monkeypatch):
     whole = lc.swim(load_robot("mamba"), GAIT, duration=10.0)
-    monkeypatch.setattr(runner, "LONGEST_SPAN", 50)
+    monkeypatch.setattr(timeline, "LONGEST_SPAN", 50)
     chunks = lc.swim(load_robot("mamba"), GAIT, duration=10.0)
     np.testing.assert_array_equal(chunks.center_of_mass, whole.center_of_mass)
 
@@ -127,7 +127,7 @@ def test_a_run_in_chunks_is_the_same_run(monkeypatch):
 @pytest.mark.parametrize(("interval", "instants"), [(5.0, [0.0, 5.0]), (np.inf, [0.0])])
 def test_nobody_decides_at_the_seams_of_a_run_in_chunks(monkeypatch, interval, instants):
     whole = run(Counting(GAIT, interval, 1))
-    monkeypatch.setattr(runner, "LONGEST_SPAN", 50)
+    monkeypatch.setattr(timeline, "LONGEST_SPAN", 50)
     asked = []
 
     @dataclass(frozen=True)
@@ -143,7 +143,7 @@ def test_nobody_decides_at_the_seams_of_a_run_in_chunks(monkeypatch, interval, i
 
 
 def test_a_run_in_chunks_may_only_end_at_a_control_instant(monkeypatch):
-    monkeypatch.setattr(runner, "LONGEST_SPAN", 50)
+    monkeypatch.setattr(timeline, "LONGEST_SPAN", 50)
     assert run(TurnAfter(GAIT, np.inf, 1000), until=lambda seen: True).time[-1] == 10.0
     cut = run(TurnAfter(GAIT, 5.0, 1000), until=lambda seen: True)
     assert cut.scenario.duration == cut.time[-1] == 5.0
@@ -153,7 +153,7 @@ def test_a_run_in_chunks_may_only_end_at_a_control_instant(monkeypatch):
 def test_a_late_command_acts_once_in_a_run_in_chunks(monkeypatch, delay):
     plant = lc.build_plant(load_robot("mamba"), load_water("paper-lateral"), loop_delay=delay)
     whole = lc.run(plant, TurnAfter(GAIT, 5.0, 1), 15.0)
-    monkeypatch.setattr(runner, "LONGEST_SPAN", 50)
+    monkeypatch.setattr(timeline, "LONGEST_SPAN", 50)
     chunks = lc.run(plant, TurnAfter(GAIT, 5.0, 1), 15.0)
     np.testing.assert_allclose(chunks.time, whole.time, atol=1e-12)
     np.testing.assert_allclose(chunks.center_of_mass, whole.center_of_mass, atol=1e-12)
