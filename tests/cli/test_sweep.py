@@ -211,7 +211,7 @@ def test_a_stopped_sweep_says_how_to_go_on(run, folder: Path, monkeypatch: pytes
         raise KeyboardInterrupt
 
     with monkeypatch.context() as context:
-        context.setattr(point_trials, "run_batch", stop)
+        context.setattr(point_trials, "run_columns", stop)
         done = run(f"sweep {POINTS} {SHORT}")
     assert (done.status, done.out) == (130, "")
     assert (

@@ -58,6 +58,8 @@ class ScanLimits:
         offer = Offer.of([robot])
         duty_of_friction = offer.viscous_friction / offer.stall_torque
         duty_per_rate = duty_of_friction + 1.0 / offer.no_load_speed
+        lengths = [module.length for module in robot.modules]
+        half_widths = [module.section.half_width for module in robot.modules]
         size_of_neighbors: list[float] = []
         for joint in range(robot.n_joints):
             half_size, half_length = measure_room_of_neighbors(robot, joint)
@@ -70,8 +72,8 @@ class ScanLimits:
             no_load_speed=offer.no_load_speed[:, 0],
             has_dry_friction=bool(np.any(offer.dry_friction)),
             smallest_crossing_curl=find_smallest_crossing_curl(robot),
-            length=np.array([module.length for module in robot.modules]),
-            half_width=np.array([module.section.half_width for module in robot.modules]),
+            length=np.array(lengths),
+            half_width=np.array(half_widths),
             size_of_neighbors=np.array(size_of_neighbors),
         )
 
