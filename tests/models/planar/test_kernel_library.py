@@ -133,8 +133,11 @@ def test_numbers_in_another_form_are_refused(library: Path):
     plant = lc.build_plant("mamba", lc.load_water("paper-lateral"))
     S = plant.rows(plant.init(lc.Start(), COMMAND), COMMAND)
     log = np.zeros((3, plant.layout.sample_size, 1))
-    for rows in (S.astype(complex), np.repeat(S, 2)[::2]):
-        with pytest.raises(TypeError, match="must be contiguous arrays of floats"):
+    for rows, message in (
+        (S.astype(complex), "must be arrays of floats"),
+        (np.repeat(S, 2)[::2], "not C contiguous"),
+    ):
+        with pytest.raises(TypeError, match=message):
             plant.kernels_of(1).run(rows, *plant.layout.chain, False, 2, 0.05, 1, log)
 
 

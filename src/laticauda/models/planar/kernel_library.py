@@ -29,6 +29,8 @@ CONTENTS = "kernels.json"
 """Name of the file that says what is in the library, and what it was made of."""
 SETTINGS_OF_COMPILER = ("NUMBA_DISABLE_JIT", "NUMBA_CPU_NAME")
 """Variables of the environment by which somebody asks for other machine code, or for none."""
+MEMORY = c_double * 0
+"""Numbers of an array, of whose size the library is told; arrays that are not contiguous are refused."""
 ARGUMENTS = [
     *(c_void_p, c_int64),  # the rows, and how many there are
     c_void_p,  # the chain, see `_Chain`
@@ -168,16 +170,25 @@ class LibraryKernels:
         log: np.ndarray,
     ) -> int:
         """Advance the run in `flat`, see `stepping.run`."""
-        if not (_are_plain_numbers(flat) and _are_plain_numbers(log)):
-            raise TypeError("Rows and log must be contiguous arrays of floats.")
-        shape = (n, first_strip, first_plate, law, tail_link, has_extras)
+        if flat.dtype.char != "d" or log.dtype.char != "d":
+            raise TypeError("Rows and log must be arrays of floats.")
         chain = self._chain
-        if chain is None or not chain.is_of(shape):
-            chain = self._chain = _Chain(shape)
+        # Of each robot there is one chain, whose arrays always come together.
+        if chain is None or chain.first_strip is not first_strip or chain.law is not law:
+            chain = _Chain(n, first_strip, first_plate, law, tail_link, has_extras)
+            self._chain = chain
         n_samples, size, _ = log.shape
         written = self._run(
-            *(_address(flat), flat.size, chain.address, implicit, steps, dt, every),
-            *(_address(log), n_samples, size),
+            MEMORY.from_buffer(flat),  # pyright: ignore[reportArgumentType]  # a buffer by NumPy's C code
+            flat.size,
+            chain.address,
+            implicit,
+            steps,
+            dt,
+            every,
+            MEMORY.from_buffer(log),  # pyright: ignore[reportArgumentType]
+            n_samples,
+            size,
         )
         if written < 0:  # pragma: no cover - the kernels raise nothing
             raise RuntimeError("A kernel of the library failed.")
@@ -187,27 +198,26 @@ class LibraryKernels:
 class _Chain:
     """The shape of a chain of bodies as integers whose address the library takes (`struct chain` in `kernels.c`)."""
 
-    def __init__(self, shape: tuple[Any, ...]) -> None:
-        n, first_strip, first_plate, law, tail_link, has_extras = shape
-        self._shape = shape
+    def __init__(
+        self,
+        n: int,
+        first_strip: np.ndarray,
+        first_plate: np.ndarray,
+        law: np.ndarray,
+        tail_link: int,
+        has_extras: bool,
+    ) -> None:
+        self.first_strip = first_strip
+        self.law = law
         arrays = [
             np.ascontiguousarray(array, np.int64) for array in (first_strip, first_plate, law)
         ]
-        self._arrays = arrays  # kept alive, because the library has their addresses
         addresses = [_address(array) for array in arrays]
         sizes = [array.size for array in arrays]
-        numbers = [n, tail_link, has_extras, *addresses, *sizes]
-        self._numbers = np.array(numbers, dtype=np.int64)
-        self.address = _address(self._numbers)
+        numbers = np.array([n, tail_link, has_extras, *addresses, *sizes], dtype=np.int64)
+        self._kept_alive = arrays, numbers  # the library has their addresses
+        self.address = _address(numbers)
         """Address of the integers."""
-
-    def is_of(self, shape: tuple[Any, ...]) -> bool:
-        """Return whether it is of this very shape."""
-        return all(own is other for own, other in zip(self._shape, shape, strict=True))
-
-
-def _are_plain_numbers(array: np.ndarray) -> bool:
-    return array.dtype == float and array.flags.c_contiguous
 
 
 def _address(array: np.ndarray) -> int:
