@@ -181,3 +181,35 @@ def test_a_lens_is_scaled_with_the_film_but_not_to_one_that_was_cropped():
     assert lens.scaled_to((1920, 1080)).focal_length == pytest.approx(1500.0)
     with pytest.raises(ValueError, match="must have the ratio of 3840 x 2160"):
         lens.scaled_to((1920, 1440))
+
+
+def test_tags_on_one_line_are_refused_although_they_have_a_width():
+    on_line = [(0.3, 1.0), (1.4, 1.0), (2.6, 1.0), (3.7, 1.0)]
+    marks = marks_of(OBLIQUE, places=on_line)
+    with pytest.raises(ValueError, match=r"marks.*not all lie on one line.*on both sides"):
+        calibrate_camera(marks, SIZE)
+
+
+def test_a_lens_whose_distortion_has_the_wrong_sign_is_refused():
+    right = Lens(
+        image_size=SIZE,
+        focal_length=1000.0,
+        center=(0.5 * (SIZE[0] - 1), 0.5 * (SIZE[1] - 1)),
+        distortion=(-0.04, 0.0, 0.0, 0.0, 0.0),
+        focal_length_deviation=0.02,
+        center_deviation=5.0,
+        distortion_deviation=0.005,
+    )
+    marks = marks_of(replace(OBLIQUE, focal=1000.0, k1=-0.04), noise=0.1)
+    assert calibrate_camera(marks, SIZE, lens=right).residual < 0.5
+    wrong = replace(right, distortion=(0.04, 0.0, 0.0, 0.0, 0.0))
+    with pytest.raises(ValueError, match=r"lens.*that of this film.*instead of 0.040"):
+        calibrate_camera(marks, SIZE, lens=wrong)
+
+
+def test_places_that_are_mirrored_as_a_whole_blame_no_single_tag():
+    marks = marks_of(OBLIQUE)
+    centers = np.repeat(marks.places.reshape(-1, 4, 2).mean(axis=1), 4, axis=0)
+    mirrored = centers * [1.0, -1.0] + (marks.places - centers)
+    with pytest.raises(ValueError, match=r"no single tag is to blame.*in m.*mirrored"):
+        calibrate_camera(replace(marks, places=mirrored), SIZE)

@@ -41,6 +41,16 @@ N_DRAWS = 200
 """Draws from the covariance from which the deviations of lengths and places are found."""
 N_GRID = 6
 """Points along each side of the grid at which they are found."""
+FEWEST_ON_LINE = 3
+"""Tags from which on a line is refused."""
+NARROWEST = 0.05
+"""Width of a pattern of tags, by its length, at least [-]."""
+FEWEST_FOR_LENS = 16
+"""Points of marks from which a lens may be contradicted."""
+BETTER_LENS = 0.5
+"""Residual with another lens, by that with the given one, below which the given one is wrong [-]."""
+SMALL_RESIDUAL = 0.5
+"""Residual up to which a given lens is right enough [px]."""
 CORNERS_OF_TAG = 4
 Vector = Float[np.ndarray, " n_parameters"]
 
@@ -139,6 +149,7 @@ def calibrate_camera(
     spread = np.linalg.svd(marks.places - marks.places.mean(axis=0), compute_uv=False)
     if spread[1] < 1e-3 * spread[0]:
         raise BadArgument("marks", "must not lie on one line")
+    _check_spread(marks)
     candidates = _candidate_lenses(lens, image_size)
     fits = [_search(marks, _Model(lens=candidate, surface=surface)) for candidate in candidates]
     best = min(range(len(fits)), key=lambda i: fits[i].cost)
@@ -147,6 +158,8 @@ def calibrate_camera(
     _check_residuals(marks, model, fits[best].x, image_size)
     noise = _noise_of(marks, model, fits[best].x)
     solution = _search(marks, model, start=fits[best].x, noise=noise, loss="linear")
+    if lens is not None:
+        _check_lens(marks, model, solution.x)
     residual = _residual_of(marks, model, solution.x)
     covariance = np.linalg.pinv(solution.jac.T @ solution.jac)
     calibration = CameraCalibration(
@@ -156,6 +169,44 @@ def calibrate_camera(
         residual=residual,
     )
     return _with_deviations(calibration, marks, model, solution.x, covariance)
+
+
+def _check_spread(marks: Marks) -> None:
+    """Refuse three tags or more on one line: beside it, places would only be guessed."""
+    names = dict.fromkeys(marks.groups)
+    groups = np.array(list(marks.groups))
+    centers = np.array([marks.places[groups == name].mean(axis=0) for name in names])
+    if len(centers) < FEWEST_ON_LINE:
+        return
+    spread = np.linalg.svd(centers - centers.mean(axis=0), compute_uv=False)
+    if spread[1] < NARROWEST * spread[0]:
+        rule = "must not all lie on one line, beside which nothing would be known"
+        raise BadArgument("marks", f"{rule}; put tags on both sides of the swimming area")
+
+
+def _check_lens(marks: Marks, model: _Model, vector: Vector) -> None:
+    """Refuse a lens that was calibrated, if the marks are met far better by another one."""
+    if len(marks.pixels) < FEWEST_FOR_LENS:
+        return
+    residual = _residual_of(marks, model, vector)
+    width, _ = model.lens.image_size
+    unknown = replace(
+        model.lens,
+        focal_length_deviation=UNKNOWN_LENS["focal_length_deviation"],
+        center_deviation=UNKNOWN_LENS["center_deviation"] * width,
+        distortion_deviation=UNKNOWN_LENS["distortion_deviation"],
+    )
+    free = _Model(lens=unknown, surface=model.surface)
+    best = _search(marks, free, start=vector).x
+    residual_without = _residual_of(marks, free, best)
+    if residual < SMALL_RESIDUAL or residual_without > BETTER_LENS * residual:
+        return
+    raise BadArgument(
+        "lens",
+        f"must be that of this film: tags on the floor fit to {residual:.2f} px with it, and to "
+        f"{residual_without:.2f} px with one of k1 = {best[9]:.3f} instead of {model.lens.distortion[0]:.3f}; "
+        "was it another camera, zoom or mode? Leave it out, and the tags tell the lens",
+    )
 
 
 def _stored(arguments: dict[str, Any], deviations: Vector) -> dict[str, Any]:
@@ -298,6 +349,12 @@ def _check_residuals(
         raise BadArgument("marks", f"{rule}; measure them again")
     without = {name: _fit_without(name, marks, model, vector) for name in names}
     worst = min(names, key=lambda name: without[name].residual_of_others)
+    if without[worst].residual_of_others > WORST_RESIDUAL * image_size[0]:
+        raise BadArgument(
+            "marks",
+            f"must be where their places say, but they are {residual:.0f} px off, and no single tag is to blame: "
+            "are places and sizes in m, y to the left of x (else they are mirrored), and arrows along x?",
+        )
     raise BadArgument(
         "marks",
         f"must be where their places say, but {worst} is {without[worst].distance:.0f} px off; "

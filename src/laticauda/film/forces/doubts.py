@@ -60,8 +60,9 @@ def _doubt_length(forces: FilmForces) -> str:
     way = "farther apart" if stretch > 1.0 else "closer together"
     return (
         f"The points are {abs(stretch - 1.0):.0%} {way} than on a body of {forces.fit.robot.length:.3g} m: its "
-        "length, the scale of the film, or where the points sit is wrong. Speed has this error; its interval "
-        f"takes the scale as known to {forces.assumptions.scale_deviation:.0%} (standard deviation)."
+        "length, the scale of the film, or where the points sit is wrong. Speed has this error, and power, which "
+        "goes with about the fifth power of length, five times as much. The intervals take scale, height and width as "
+        f"known to {forces.assumptions.scale_deviation:.0%} (standard deviation), no more."
     )
 
 

@@ -48,7 +48,7 @@ def invert_points(
     """Find forces, power and efficiency from points that were tracked on a body.
 
     A point that was hardly ever seen is left out, with a note. If lengths in the film and on the body
-    disagree, the scale is taken to be as uncertain as that.
+    disagree, scale and body are taken to be as uncertain as that.
 
     Args:
         points: Tracked points, in m.
@@ -81,6 +81,7 @@ def invert_points(
     mismatch = abs(measure_stretch(fit) - 1.0)
     if mismatch > SMALLEST_STRETCH:
         scale_deviation = min(math.hypot(scale_deviation, mismatch), 1.0)
+        body_deviation = min(math.hypot(body_deviation, mismatch), 1.0)
     return find_forces(
         fit,
         water,
