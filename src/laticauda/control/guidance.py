@@ -5,17 +5,18 @@ world axes and within half a turn of the robot's heading, so that no law ever as
 """
 
 import math
-from abc import ABC, abstractmethod
 from bisect import bisect_right
 from collections.abc import Sequence
 from operator import attrgetter
-from typing import Any, Generic, NamedTuple, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeAlias, TypeVar
 
 import numpy as np
-from jaxtyping import Bool, Float
 
-from laticauda.control.frames import PathFrame, PathFrames
+from laticauda.control.frames import PathFrame
 from laticauda.values import BadArgument, Extensible, quantity, value_class, wrap_to_pi
+
+if TYPE_CHECKING:
+    from laticauda.control.vector_guidance import VectorGuidance
 
 State = TypeVar("State")
 
@@ -58,27 +59,6 @@ class Guidance(Extensible, Generic[State], group="guidance"):
         """
         del laws
         return None
-
-
-class VectorGuidance(ABC):
-    """Guidance laws of many robots, with the state of each. It is made for one run."""
-
-    @abstractmethod
-    def step(
-        self,
-        frames: PathFrames,
-        heading: Float[np.ndarray, " n"],
-        dt: Float[np.ndarray, " n"],
-        is_saturated: Bool[np.ndarray, " n"],
-    ) -> Float[np.ndarray, " n"]:
-        """Return theta_ref of every robot, in world axes, within half a turn of its heading [rad].
-
-        Args:
-            frames: Positions relative to the paths.
-            heading: Theta of the robots [rad].
-            dt: Time since the last call, 0 at the first [s].
-            is_saturated: Whether the offset was at its limit during that time.
-        """
 
 
 @value_class
@@ -127,7 +107,7 @@ class LineOfSight(Guidance[None]):
         return None, _approach_path(frame, slope, heading)
 
     @classmethod
-    def vectorize(cls, laws: Sequence[Any]) -> VectorGuidance:
+    def vectorize(cls, laws: Sequence[Any]) -> "VectorGuidance":
         """Return one object that computes many of these laws.
 
         Args:
@@ -181,7 +161,7 @@ class IntegralLineOfSight(Guidance[float]):
         return state, _approach_path(frame, slope, heading)
 
     @classmethod
-    def vectorize(cls, laws: Sequence[Any]) -> VectorGuidance:
+    def vectorize(cls, laws: Sequence[Any]) -> "VectorGuidance":
         """Return one object that computes many of these laws.
 
         Args:

@@ -5,6 +5,7 @@ of `math`: the results are the same to the last bit.
 """
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -12,7 +13,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from laticauda.control.frames import PathFrame, PathFrames
-from laticauda.control.guidance import ROUNDING, Guidance, HeadingController, VectorGuidance
+from laticauda.control.guidance import ROUNDING, Guidance, HeadingController
 from laticauda.scenarios import is_vectorized
 from laticauda.values import wrap_to_pi
 
@@ -30,6 +31,27 @@ def apply(function: Callable[..., float], *arrays: Numbers) -> Numbers:
     """
     columns = [array.tolist() for array in arrays]
     return np.array(list(map(function, *columns)))
+
+
+class VectorGuidance(ABC):
+    """Guidance laws of many robots, with the state of each. It is made for one run."""
+
+    @abstractmethod
+    def step(
+        self,
+        frames: PathFrames,
+        heading: Float[np.ndarray, " n"],
+        dt: Float[np.ndarray, " n"],
+        is_saturated: Bool[np.ndarray, " n"],
+    ) -> Float[np.ndarray, " n"]:
+        """Return theta_ref of every robot, in world axes, within half a turn of its heading [rad].
+
+        Args:
+            frames: Positions relative to the paths.
+            heading: Theta of the robots [rad].
+            dt: Time since the last call, 0 at the first [s].
+            is_saturated: Whether the offset was at its limit during that time.
+        """
 
 
 class LinesOfSight(VectorGuidance):
