@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 import laticauda as lc
-from laticauda.models.simulate import make_run_table
+from laticauda.models.simulate import Run, make_run_table
 from laticauda.models.simulate.numbers import list_parameters
 from laticauda.studies import sampling
 from laticauda.studies.point_trials import (
@@ -226,21 +226,42 @@ def _excess_of_gaits(
     joint_rate_limit: float | None,
 ) -> Column:
     """Return how far the gait of every point exceeds the limits of the joints, relative to them."""
-    runs = make_run_table(scenario, dict(zip(names, table.T, strict=True)))
-    amplitude, frequency, _, offset = runs.waves
+    columns = dict(zip(names, table.T, strict=True))
+    runs = make_run_table(scenario, columns)
     excess = np.zeros(len(table))
     for index, base in enumerate(runs.bases):
         of_base = runs.base_of == index
-        robot = base.plant.robot
-        envelope = base.command.gait.joint_envelope(robot.n_links)
-        limit = np.array([joint.limit for joint in robot.joints])
-        swing = np.outer(amplitude[of_base], np.abs(envelope))
-        largest_offset = np.abs(offset[of_base])
-        largest_angle = swing + largest_offset[:, np.newaxis]
-        shares = largest_angle / limit
-        if joint_rate_limit is not None:
-            frequency_of_base = frequency[of_base]
-            rates = swing * frequency_of_base[:, np.newaxis]
-            shares = np.maximum(shares, rates / joint_rate_limit)
-        excess[of_base] = np.max(shares, axis=1, initial=0.0)
-    return np.maximum(excess - 1.0, 0.0)
+        waves = runs.waves[:, of_base]
+        excess[of_base] = _excess_of_waves(
+            base,
+            amplitude=waves[0],
+            frequency=waves[1],
+            offset=waves[3],
+            joint_rate_limit=joint_rate_limit,
+        )
+    return excess
+
+
+def _excess_of_waves(
+    base: Run,
+    *,
+    amplitude: Column,
+    frequency: Column,
+    offset: Column,
+    joint_rate_limit: float | None,
+) -> Column:
+    """Return how far gaits exceed the limits of the joints of one robot, relative to them."""
+    robot = base.plant.robot
+    gait = base.command.gait
+    envelope = gait.joint_envelope(robot.n_links)
+    limits = [joint.limit for joint in robot.joints]
+    swing = np.outer(amplitude, np.abs(envelope))
+    largest_offset = np.abs(offset)
+    largest_angle = swing + largest_offset[:, np.newaxis]
+    shares = largest_angle / np.array(limits)
+    if joint_rate_limit is not None:
+        rates = swing * frequency[:, np.newaxis]
+        share_of_rate = rates / joint_rate_limit
+        shares = np.maximum(shares, share_of_rate)
+    largest_share = np.max(shares, axis=1, initial=0.0)
+    return np.maximum(largest_share - 1.0, 0.0)
