@@ -59,7 +59,7 @@ class FilmModel:
     """Where the points sit, and how surely."""
     time: Float[np.ndarray, " n_frames"]
     """Times of the frames [s]."""
-    seen: Bool[np.ndarray, "n_frames n_points"]
+    is_seen: Bool[np.ndarray, "n_frames n_points"]
     """Where a point was seen."""
     observed: Complex[np.ndarray, "n_frames n_points"]
     """Where it was seen; 0 where it was lost [m]."""
@@ -67,6 +67,16 @@ class FilmModel:
     """The splines."""
     harmonics: Harmonics
     """The harmonics."""
+
+    @property
+    def duration(self) -> float:
+        """Time from the first frame to the last [s]."""
+        return float(self.time[-1] - self.time[0])
+
+    @property
+    def frame_rate(self) -> float:
+        """Mean number of frames in a second [1/s]."""
+        return (self.time.size - 1) / self.duration
 
     @cached_property
     def spline_values(self) -> Any:
@@ -77,12 +87,13 @@ class FilmModel:
     def spline_products(self) -> list[Any]:
         """Products of two splines at the frames by their distance, each as a sparse matrix of splines and frames."""
         sparse = load_scipy("sparse")
-        padded = self.spline_values.toarray()
+        values = self.spline_values.toarray()
+        n_splines = values.shape[1]
         products: list[Any] = []
         for offset in range(DEGREE + 1):
-            ahead = np.zeros_like(padded)
-            ahead[:, : padded.shape[1] - offset] = padded[:, offset:]
-            products.append(sparse.csr_array((padded * ahead).T))
+            values_ahead = np.zeros_like(values)
+            values_ahead[:, : n_splines - offset] = values[:, offset:]
+            products.append(sparse.csr_array((values * values_ahead).T))
         return products
 
     @property
@@ -93,7 +104,23 @@ class FilmModel:
     @property
     def n_points(self) -> int:
         """Number of points."""
-        return self.seen.shape[1]
+        return self.is_seen.shape[1]
+
+    @property
+    def n_frequencies(self) -> int:
+        """Number of unknown frequencies: one if there are harmonics."""
+        return min(self.harmonics.size, 1)
+
+    @property
+    def shift_deviations(self) -> list[float]:
+        """Deviations of unknown shifts of points, those along the body before those to the left [m]."""
+        deviations = (self.places.along_deviation, self.places.left_deviation)
+        return [deviation for deviation in deviations if deviation > 0.0]
+
+    @property
+    def n_shifts(self) -> int:
+        """Number of unknown shifts of all points."""
+        return len(self.shift_deviations) * self.n_points
 
     def split(self, vector: Float[np.ndarray, " n_all"]) -> Unknowns:
         """Return the parts of one vector of unknowns, or of a change of them.
@@ -101,17 +128,21 @@ class FilmModel:
         Args:
             vector: The vector.
         """
-        m = self.n_coordinates
-        sizes = [self.basis.size * m, self.harmonics.size * m, min(self.harmonics.size, 1)]
+        sizes = [
+            self.basis.size * self.n_coordinates,
+            self.harmonics.size * self.n_coordinates,
+            self.n_frequencies,
+        ]
         splines, harmonics, frequency, shifts = np.split(vector, np.cumsum(sizes))
-        along, left = np.zeros(self.n_points), np.zeros(self.n_points)
+        along = np.zeros(self.n_points)
+        left = np.zeros(self.n_points)
         if self.places.along_deviation > 0.0:
             along = shifts[: self.n_points]
         if self.places.left_deviation > 0.0:
             left = shifts[-self.n_points :]
         return Unknowns(
-            splines=splines.reshape(-1, m),
-            harmonics=harmonics.reshape(self.harmonics.size, m),
+            splines=splines.reshape(self.basis.size, self.n_coordinates),
+            harmonics=harmonics.reshape(self.harmonics.size, self.n_coordinates),
             frequency=float(frequency.sum()),
             shift=along + 1j * left,
         )
@@ -140,7 +171,7 @@ class FilmModel:
             unknowns: The unknowns.
         """
         fitted = self.geometry.points(self.coordinates(unknowns), unknowns.shift)
-        return np.where(self.seen, self.observed - fitted, 0.0)
+        return np.where(self.is_seen, self.observed - fitted, 0.0)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -164,27 +195,46 @@ class Linearized:
             model: The model.
             unknowns: Where it is linearized.
         """
-        geometry, places = model.geometry, model.places
         coordinates = model.coordinates(unknowns)
-        jacobian = geometry.jacobian(coordinates, unknowns.shift)
-        extra: list[np.ndarray] = []
-        if model.harmonics.size:
-            slopes = model.harmonics.slopes(model.time, unknowns.frequency) @ unknowns.harmonics
-            extra.append(np.matmul(jacobian, slopes[..., np.newaxis]))
-        along_link = geometry.directions(coordinates)[:, geometry.link]
-        own = along_link[..., np.newaxis] * np.eye(model.n_points)
-        if places.along_deviation > 0.0:
-            extra.append(own)
-        if places.left_deviation > 0.0:
-            extra.append(1j * own)
-        border = np.zeros((*jacobian.shape[:2], 0), dtype=complex)
-        border = np.concatenate([border, *extra], axis=2)
+        jacobian = model.geometry.jacobian(coordinates, unknowns.shift)
+        n_frames, n_points, _ = jacobian.shape
+        no_extra = np.zeros((n_frames, n_points, 0), dtype=complex)
+        by_frequency = cls._by_frequency(model, unknowns, jacobian)
+        by_shift = cls._by_shift(model, coordinates)
+        by_extra = np.concatenate((no_extra, *by_frequency, *by_shift), axis=2)
         return cls(
             model=model,
             by_coordinate=np.concatenate((np.real(jacobian), np.imag(jacobian)), axis=1),
-            by_extra=np.concatenate((np.real(border), np.imag(border)), axis=1),
+            by_extra=np.concatenate((np.real(by_extra), np.imag(by_extra)), axis=1),
             harmonic_values=model.harmonic_values(unknowns),
         )
+
+    @staticmethod
+    def _by_frequency(
+        model: FilmModel,
+        unknowns: Unknowns,
+        jacobian: Complex[np.ndarray, "n_frames n_points n_coordinates"],
+    ) -> list[np.ndarray]:
+        """Return the derivatives of places by the frequency of the harmonics, if there are any."""
+        if not model.n_frequencies:
+            return []
+        slopes = model.harmonics.slopes(model.time, unknowns.frequency) @ unknowns.harmonics
+        return [np.matmul(jacobian, slopes[..., np.newaxis])]
+
+    @staticmethod
+    def _by_shift(
+        model: FilmModel, coordinates: Float[np.ndarray, "n_frames n_coordinates"]
+    ) -> list[np.ndarray]:
+        """Return the derivatives of places by those shifts of points that are unknown: each moves its own point."""
+        directions = model.geometry.directions(coordinates)
+        along_link = directions[:, model.geometry.link]
+        by_along = along_link[..., np.newaxis] * np.eye(model.n_points)
+        derivatives: list[np.ndarray] = []
+        if model.places.along_deviation > 0.0:
+            derivatives.append(by_along)
+        if model.places.left_deviation > 0.0:
+            derivatives.append(1j * by_along)
+        return derivatives
 
     def information(self, weight: Float[np.ndarray, "n_frames n_points"]) -> ArrowMatrix:
         """Return what the places say of the unknowns: J^T W J.
@@ -192,34 +242,71 @@ class Linearized:
         Args:
             weight: Weight of every place [1/m^2].
         """
-        model, m = self.model, self.model.n_coordinates
-        n_frames = len(weight)
-        root = np.sqrt(np.tile(weight, 2))[..., np.newaxis]
-        coordinate, extra = root * self.by_coordinate, root * self.by_extra
-        per_frame = _transposed(coordinate) @ coordinate
-        flat = per_frame.reshape(n_frames, m * m)
-        blocks = [(products @ flat).reshape(-1, m, m) for products in model.spline_products]
+        root_weight = np.sqrt(np.tile(weight, 2))[..., np.newaxis]
+        coordinate = root_weight * self.by_coordinate
+        extra = root_weight * self.by_extra
+        # Frame by frame: derivatives by two coordinates, and by a coordinate and an extra unknown.
+        squares = _transposed(coordinate) @ coordinate
         cross = _transposed(coordinate) @ extra
-        values, splines = self.harmonic_values, model.spline_values
-        n_functions, n_extra = values.shape[1], extra.shape[2]
-        tied = values[:, :, np.newaxis] * flat[:, np.newaxis, :]
-        with_harmonics = splines.T @ tied.reshape(n_frames, n_functions * m * m)
-        with_extra = splines.T @ cross.reshape(n_frames, m * n_extra)
-        n_splines = model.basis.size
-        by_harmonic = with_harmonics.reshape(n_splines, n_functions, m, m).transpose(0, 2, 1, 3)
-        n = n_splines * m
-        border = np.concatenate(
-            (by_harmonic.reshape(n, n_functions * m), with_extra.reshape(n, n_extra)), axis=1
+        return ArrowMatrix(
+            band=self._spline_band(squares),
+            border=self._border(squares, cross),
+            corner=self._corner(squares, cross, extra),
         )
-        squares = values[:, :, np.newaxis] * values[:, np.newaxis, :]
-        corner_1 = squares.reshape(n_frames, n_functions * n_functions).T @ flat
-        corner_1 = corner_1.reshape(n_functions, n_functions, m, m).transpose(0, 2, 1, 3)
-        corner_1 = corner_1.reshape(n_functions * m, n_functions * m)
-        corner_2 = values.T @ cross.reshape(n_frames, m * n_extra)
-        corner_2 = corner_2.reshape(n_functions * m, n_extra)
-        all_extra = extra.reshape(extra.shape[0] * extra.shape[1], n_extra)
-        corner = np.block([[corner_1, corner_2], [corner_2.T, all_extra.T @ all_extra]])
-        return ArrowMatrix(band=fill_band(np.array(blocks)), border=border, corner=corner)
+
+    def _spline_band(self, squares: Float[np.ndarray, "n_frames m m"]) -> np.ndarray:
+        """Return the band of the splines: blocks of coordinates for every two splines that overlap."""
+        n_frames, m, _ = squares.shape
+        flat = squares.reshape(n_frames, m * m)
+        blocks: list[np.ndarray] = []
+        for products in self.model.spline_products:
+            blocks.append((products @ flat).reshape(-1, m, m))
+        return fill_band(np.array(blocks))
+
+    def _border(
+        self,
+        squares: Float[np.ndarray, "n_frames m m"],
+        cross: Float[np.ndarray, "n_frames m n_extra"],
+    ) -> Float[np.ndarray, "n_spline_unknowns n_border"]:
+        """Return the border: splines with harmonics, and splines with extra unknowns."""
+        n_frames, m, n_extra = cross.shape
+        n_functions = self.harmonic_values.shape[1]
+        n_splines = self.model.basis.size
+        splines = self.model.spline_values
+        flat = squares.reshape(n_frames, m * m)
+        by_harmonic = self.harmonic_values[:, :, np.newaxis] * flat[:, np.newaxis, :]
+        with_harmonics = splines.T @ by_harmonic.reshape(n_frames, n_functions * m * m)
+        with_harmonics = with_harmonics.reshape(n_splines, n_functions, m, m)
+        with_extra = splines.T @ cross.reshape(n_frames, m * n_extra)
+        return np.concatenate(
+            (
+                # Rows are splines by coordinates, columns harmonics by coordinates.
+                with_harmonics.transpose(0, 2, 1, 3).reshape(n_splines * m, n_functions * m),
+                with_extra.reshape(n_splines * m, n_extra),
+            ),
+            axis=1,
+        )
+
+    def _corner(
+        self,
+        squares: Float[np.ndarray, "n_frames m m"],
+        cross: Float[np.ndarray, "n_frames m n_extra"],
+        extra: Float[np.ndarray, "n_frames n_numbers n_extra"],
+    ) -> Float[np.ndarray, "n_border n_border"]:
+        """Return the corner: harmonics and extra unknowns among themselves."""
+        n_frames, m, n_extra = cross.shape
+        values = self.harmonic_values
+        n_functions = values.shape[1]
+        n_harmonics = n_functions * m
+        flat = squares.reshape(n_frames, m * m)
+        of_functions = values[:, :, np.newaxis] * values[:, np.newaxis, :]
+        harmonics = of_functions.reshape(n_frames, n_functions * n_functions).T @ flat
+        harmonics = harmonics.reshape(n_functions, n_functions, m, m).transpose(0, 2, 1, 3)
+        harmonics = harmonics.reshape(n_harmonics, n_harmonics)
+        mixed = values.T @ cross.reshape(n_frames, m * n_extra)
+        mixed = mixed.reshape(n_harmonics, n_extra)
+        flat_extra = extra.reshape(n_frames * extra.shape[1], n_extra)
+        return np.block([[harmonics, mixed], [mixed.T, flat_extra.T @ flat_extra]])
 
     def pull(
         self,
@@ -232,7 +319,9 @@ class Linearized:
             weight: Weight of every place [1/m^2].
             residual: Seen minus fitted places [m].
         """
-        numbers = np.concatenate((weight * np.real(residual), weight * np.imag(residual)), axis=1)
+        weighted_x = weight * np.real(residual)
+        weighted_y = weight * np.imag(residual)
+        numbers = np.concatenate((weighted_x, weighted_y), axis=1)
         by_frame = (numbers[:, np.newaxis, :] @ self.by_coordinate)[:, 0]
         by_extra = np.einsum("fk,fkc->c", numbers, self.by_extra)
         of_splines = self.model.spline_values.T @ by_frame
@@ -247,15 +336,17 @@ class Linearized:
         Args:
             changes: Changes of the unknowns, a draw in every column.
         """
-        model, m = self.model, self.model.n_coordinates
-        n_splines, n_harmonics = model.basis.size * m, model.harmonics.size * m
+        model = self.model
+        m = model.n_coordinates
         n_draws = changes.shape[1]
-        splines = changes[:n_splines].reshape(model.basis.size, m * n_draws)
-        harmonics = changes[n_splines : n_splines + n_harmonics]
+        end_of_splines = model.basis.size * m
+        end_of_harmonics = end_of_splines + model.harmonics.size * m
+        splines = changes[:end_of_splines].reshape(model.basis.size, m * n_draws)
+        harmonics = changes[end_of_splines:end_of_harmonics]
         harmonics = harmonics.reshape(model.harmonics.size, m * n_draws)
-        moved = model.spline_values @ splines + self.harmonic_values @ harmonics
-        numbers = self.by_coordinate @ moved.reshape(-1, m, n_draws)
-        numbers += self.by_extra @ changes[n_splines + n_harmonics :]
+        coordinates = model.spline_values @ splines + self.harmonic_values @ harmonics
+        numbers = self.by_coordinate @ coordinates.reshape(-1, m, n_draws)
+        numbers += self.by_extra @ changes[end_of_harmonics:]
         squares = np.mean(numbers**2, axis=2)
         return squares[:, : model.n_points] + squares[:, model.n_points :]
 
@@ -286,15 +377,14 @@ class Prior:
             self.weights.harmonic_deviation.ravel() ** -2.0,
             self._frequency_precision,
         ]
-        for deviation in (model.places.along_deviation, model.places.left_deviation):
-            if deviation > 0.0:
-                parts.append(np.full(model.n_points, deviation**-2.0))
+        for deviation in model.shift_deviations:
+            parts.append(np.full(model.n_points, deviation**-2.0))
         return np.concatenate(parts)
 
     @property
     def _frequency_precision(self) -> Float[np.ndarray, " n_frequencies"]:
-        harmonics = self.model.harmonics
-        return np.full(min(harmonics.size, 1), harmonics.frequency_deviation**-2.0)
+        precision = self.model.harmonics.frequency_deviation**-2.0
+        return np.full(self.model.n_frequencies, precision)
 
     def added_to(self, information: ArrowMatrix) -> ArrowMatrix:
         """Return the information with that of the prior.
@@ -321,7 +411,8 @@ class Prior:
         """
         splines = self.model.basis.roughness @ unknowns.splines * self.weights.roughness
         splines += self._bend_precision * unknowns.splines
-        return -np.concatenate((splines.ravel(), self._border_precision * self._border(unknowns)))
+        border = self._border_precision * self._border(unknowns)
+        return -np.concatenate((splines.ravel(), border))
 
     def log_density(self, unknowns: Unknowns) -> float:
         """Return the logarithm of the prior's density, but for what no weight changes.
@@ -329,23 +420,33 @@ class Prior:
         Args:
             unknowns: Where it is asked for.
         """
-        splines, basis = unknowns.splines, self.model.basis
-        rough = np.sum(splines * (basis.roughness @ splines), axis=0)
+        return 0.5 * float(self._log_precision() - self._squares(unknowns))
+
+    def _log_precision(self) -> float:
+        """Return the logarithm of the determinant of the precision, but for what no weight changes."""
+        basis = self.model.basis
+        of_root = self.weights.roughness[:N_ROOT]
+        of_joints = np.outer(self.weights.roughness[N_ROOT:], basis.roughness_sizes)
+        logarithm = basis.n_penalized * np.sum(np.log(of_root))
+        logarithm += np.sum(np.log(of_joints + self.weights.bend_deviation**-2))
+        logarithm -= 2.0 * np.sum(np.log(self.weights.harmonic_deviation))
+        return logarithm
+
+    def _squares(self, unknowns: Unknowns) -> float:
+        """Return the sum of squares of all unknowns, each by its deviation."""
+        splines = unknowns.splines
+        rough = np.sum(splines * (self.model.basis.roughness @ splines), axis=0)
         bends = np.sum(self._bend_precision * splines**2)
         border = self._border(unknowns)
         squares = np.sum(self.weights.roughness * rough) + bends
         squares += np.sum(self._border_precision * border**2)
-        logarithms = basis.n_penalized * np.sum(np.log(self.weights.roughness[:N_ROOT]))
-        precision = np.outer(self.weights.roughness[N_ROOT:], basis.roughness_sizes)
-        logarithms += np.sum(np.log(precision + self.weights.bend_deviation**-2))
-        logarithms -= 2.0 * np.sum(np.log(self.weights.harmonic_deviation))
-        return 0.5 * float(logarithms - squares)
+        return squares
 
     def _border(self, unknowns: Unknowns) -> Float[np.ndarray, " n_border"]:
         """Return the unknowns of the border, the frequency as its distance from the first guess."""
         model = self.model
         difference = unknowns.frequency - model.harmonics.frequency
-        frequencies = np.full(min(model.harmonics.size, 1), difference)
+        frequencies = np.full(model.n_frequencies, difference)
         parts = [unknowns.harmonics.ravel(), frequencies]
         if model.places.along_deviation > 0.0:
             parts.append(np.real(unknowns.shift))

@@ -15,6 +15,7 @@ The traces are means over draws of the posterior, the same ones in every step.
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -40,6 +41,8 @@ from laticauda.values import BadArgument, check_choice, check_instance, check_wh
 
 KNOTS_PER_CYCLE = 12
 """Knots of the splines in a period of the gait."""
+FEWEST_FRAMES = 3
+"""Frames in which a point must have been seen."""
 FEWEST_INTERVALS = 8
 """Intervals of the splines, at least."""
 USUAL_INTERVALS = 30
@@ -105,28 +108,22 @@ def fit_chain(
     """
     check_instance("points", points, TrackedPoints)
     check_instance("robot", robot, Robot)
-    check_choice("points.unit", points.unit, ("m",))
-    n_points = len(points.names)
-    if places.along.size != n_points:
-        rule = f"must have a place for each of {n_points} tracked points"
-        raise BadArgument("places", f"{rule}, got {places.along.size}")
+    _check_points(points, places)
     if harmonics is not None:
         check_whole_number("harmonics", harmonics, 0, 10)
     geometry = ChainGeometry.of(robot.planar(), places)
-    seen = np.all(np.isfinite(points.position), axis=2)
-    if np.any(seen.sum(axis=0) < 3):
-        point = int(np.argmin(seen.sum(axis=0)))
-        rule = "must have been seen in at least three frames"
-        raise BadArgument(f"points.{points.names[point]}", f"{rule}; leave it out")
-    observed = np.where(seen, points.position[..., 0] + 1j * points.position[..., 1], 0.0)
-    filled = fill_gaps(points.time, observed, seen)
+    is_seen = np.all(np.isfinite(points.position), axis=2)
+    x = points.position[..., 0]
+    y = points.position[..., 1]
+    observed = np.where(is_seen, x + 1j * y, 0.0)
+    filled = fill_gaps(points.time, observed, is_seen)
     guess = guess_coordinates(geometry, places, filled)
     frequency = find_frequency(points.time, guess)
     model = FilmModel(
         geometry=geometry,
         places=places,
         time=points.time,
-        seen=seen,
+        is_seen=is_seen,
         observed=observed,
         basis=_choose_basis(points.time, frequency),
         harmonics=_choose_harmonics(points.time, frequency, harmonics),
@@ -141,9 +138,25 @@ def fit_chain(
     return state.result(points)
 
 
+def _check_points(points: TrackedPoints, places: PointPlaces) -> None:
+    """Refuse points in px, points without a place, and points that were hardly ever seen."""
+    check_choice("points.unit", points.unit, ("m",))
+    n_points = len(points.names)
+    if places.along.size != n_points:
+        rule = f"must have a place for each of {n_points} tracked points"
+        raise BadArgument("places", f"{rule}, got {places.along.size}")
+    is_seen = np.all(np.isfinite(points.position), axis=2)
+    n_frames = is_seen.sum(axis=0)
+    if np.any(n_frames < FEWEST_FRAMES):
+        point = int(np.argmin(n_frames))
+        rule = "must have been seen in at least three frames"
+        raise BadArgument(f"points.{points.names[point]}", f"{rule}; leave it out")
+
+
 def _choose_basis(time: Float[np.ndarray, " n_frames"], frequency: float) -> SplineBasis:
     """Return splines that follow the third harmonic, with no more intervals than frames."""
-    begin, duration = float(time[0]), float(time[-1] - time[0])
+    begin = float(time[0])
+    duration = float(time[-1] - time[0])
     n_cycles = duration * frequency / (2.0 * math.pi)
     n_knots = max(math.ceil(KNOTS_PER_CYCLE * n_cycles), USUAL_INTERVALS)
     n_intervals = max(FEWEST_INTERVALS, min(n_knots, time.size - 1))
@@ -157,7 +170,9 @@ def _choose_harmonics(
     n_cycles = duration * frequency / (2.0 * math.pi)
     middle = 0.5 * float(time[0] + time[-1])
     if n_orders is None:
-        n_orders = USUAL_HARMONICS if n_cycles >= FEWEST_CYCLES else 0
+        n_orders = USUAL_HARMONICS
+        if n_cycles < FEWEST_CYCLES:
+            n_orders = 0
     if frequency == 0.0:
         n_orders = 0
     return Harmonics(
@@ -166,6 +181,45 @@ def _choose_harmonics(
         frequency=frequency,
         frequency_deviation=math.pi / duration,
     )
+
+
+class _Draws(NamedTuple):
+    """Draws of the unknowns about 0, by name."""
+
+    splines: Float[np.ndarray, "n_splines n_coordinates n_probes"]
+    """Coefficients of the splines."""
+    harmonics: Float[np.ndarray, "n_coefficients n_probes"]
+    """Coefficients of the harmonics, those of one function after the other."""
+
+    @classmethod
+    def of(cls, model: FilmModel, probes: Float[np.ndarray, "n_all n_probes"]) -> "_Draws":
+        """Return the parts of draws.
+
+        Args:
+            model: The model.
+            probes: The draws, one in every column.
+        """
+        n_coordinates = model.n_coordinates
+        n_probes = probes.shape[1]
+        end_of_splines = model.basis.size * n_coordinates
+        end_of_harmonics = end_of_splines + model.harmonics.size * n_coordinates
+        # The order in memory is that of the sums over draws, and decides their last digit.
+        splines = np.ascontiguousarray(probes[:end_of_splines])
+        return cls(
+            splines=splines.reshape(model.basis.size, n_coordinates, n_probes),
+            harmonics=probes[end_of_splines:end_of_harmonics],
+        )
+
+    def traces_of_roughness(self, basis: SplineBasis) -> Float[np.ndarray, " n_coordinates"]:
+        """Return tr(H^-1 R) of every coordinate, as a mean over the draws.
+
+        Args:
+            basis: The splines.
+        """
+        _, n_coordinates, n_probes = self.splines.shape
+        columns = self.splines.reshape(basis.size, -1)
+        rough = np.sum(columns * (basis.roughness @ columns), axis=0)
+        return rough.reshape(n_coordinates, n_probes).mean(axis=1)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -190,32 +244,14 @@ class _Search:
         seed: int,
     ) -> "_Search":
         """Return the state before the first step."""
-        n_orders, m = model.harmonics.n_orders, model.n_coordinates
-        duration = float(model.time[-1] - model.time[0])
-        cutoff = FIRST_CUTOFF * (frequency or 2.0 * math.pi * 5.0 / duration)
-        frame_rate = (model.time.size - 1) / duration
-        splines = _smooth(model, guess, frame_rate * cutoff**-6.0)
-        border = np.zeros(2 * n_orders * m + min(n_orders, 1))
-        if n_orders:
+        splines = _smooth(model, guess, _first_roughness(model))
+        n_coefficients = model.harmonics.size * model.n_coordinates
+        border = np.zeros(n_coefficients + model.n_frequencies)
+        if model.n_frequencies:
             border[-1] = frequency
-        n_shifts = (model.places.along_deviation > 0.0) + (model.places.left_deviation > 0.0)
-        shifts = np.zeros(n_shifts * model.n_points)
+        shifts = np.zeros(model.n_shifts)
         vector = np.concatenate((splines.ravel(), border, shifts))
-        unknowns = model.split(vector)
-        residuals = np.abs(model.residuals(unknowns))[model.seen]
-        noise = NORMAL_MEDIAN * float(np.median(residuals)) / math.sqrt(2.0)
-        noise = max(noise, 1e-6 * model.geometry.robot.length)
-        jacobian = Linearized.of(model, unknowns).by_coordinate
-        sensitivity = np.mean(np.sum(jacobian**2, axis=1), axis=0) / noise**2
-        scale = np.full(m, FIRST_BEND)
-        scale[:2] *= 0.3 * model.geometry.robot.length
-        weights = Weights(
-            roughness=_shared(sensitivity * frame_rate * cutoff**-6.0),
-            harmonic_deviation=np.tile(scale, (2 * n_orders, 1)),
-            bend_deviation=FIRST_BEND,
-            noise=np.full(model.n_points, noise),
-            outlier_share=FIRST_OUTLIERS,
-        )
+        weights = _first_weights(model, model.split(vector))
         white = np.random.default_rng(seed).standard_normal((vector.size, N_PROBES))
         return cls(model=model, vector=vector, weights=weights, white=white)
 
@@ -227,11 +263,12 @@ class _Search:
     def membership(self) -> Float[np.ndarray, "n_frames n_points"]:
         """Return the odds that a place is noise about the chain and not anywhere; 0 where it was lost."""
         regular, anywhere = self._densities()
-        return self.model.seen * regular / (regular + anywhere)
+        return self.model.is_seen * regular / (regular + anywhere)
 
     def _densities(self) -> tuple[Float[np.ndarray, "n_frames n_points"], float]:
         """Return the density of every place as noise about the chain, and that of a place anywhere [1/m^2]."""
-        noise, share = self.weights.noise, self.weights.outlier_share
+        noise = self.weights.noise
+        share = self.weights.outlier_share
         scaled = np.abs(self.model.residuals(self.unknowns)) / noise
         peak = (1.0 - share) / (2.0 * math.pi * noise**2)
         anywhere = share / self.model.geometry.robot.length**2
@@ -247,73 +284,131 @@ class _Search:
     def step(self) -> "_Search":
         """Return the state after one step of the unknowns, and one of the weights."""
         linearized, factor = self.factor()
+        change = self._change(linearized, factor)
+        probes = factor.whiten_back(self.white)
+        moved = replace(self, vector=self.vector + change[:, 0], n_steps=self.n_steps + 1)
+        weights = moved.renewed_weights(linearized, probes)
+        freedoms = _count_freedoms(linearized, self.membership(), probes, self.weights)
+        change_of_places = math.sqrt(float(np.max(linearized.spread_of_places(change))))
+        length = self.model.geometry.robot.length
+        has_stopped = change_of_places < SMALL_STEP * length
+        is_over = self._has_settled(weights, freedoms) and has_stopped
+        return replace(moved, weights=weights, freedoms=freedoms, is_over=bool(is_over))
+
+    def _change(self, linearized: Linearized, factor: ArrowFactor) -> Float[np.ndarray, "n_all 1"]:
+        """Return the change of the unknowns in a step, as a column."""
         residuals = self.model.residuals(self.unknowns)
         prior = Prior(model=self.model, weights=self.weights)
         pull = linearized.pull(self.membership() / self.weights.noise**2, residuals)
         pull += prior.pull(self.unknowns)
-        change = factor.solve(pull[:, np.newaxis])
-        moved = replace(self, vector=self.vector + change[:, 0], n_steps=self.n_steps + 1)
-        probes = factor.whiten_back(self.white)
-        weights = moved.renewed_weights(linearized, probes)
-        way = math.sqrt(float(np.max(linearized.spread_of_places(change))))
-        freedoms = _count_freedoms(linearized, self.membership(), probes, self.weights)
+        return factor.solve(pull[:, np.newaxis])
+
+    def _has_settled(self, weights: Weights, freedoms: float) -> bool:
+        """Return whether noise and degrees of freedom are nearly those of the step before."""
         noise_changes = np.abs(weights.noise / self.weights.noise - 1.0)
-        changes = max(abs(freedoms / max(self.freedoms, 1e-9) - 1.0), np.max(noise_changes))
-        is_over = changes < SETTLED and way < SMALL_STEP * self.model.geometry.robot.length
-        return replace(moved, weights=weights, freedoms=freedoms, is_over=bool(is_over))
+        change_of_freedoms = abs(freedoms / max(self.freedoms, 1e-9) - 1.0)
+        return bool(max(change_of_freedoms, np.max(noise_changes)) < SETTLED)
 
     def renewed_weights(
         self, linearized: Linearized, probes: Float[np.ndarray, "n_all n_probes"]
     ) -> Weights:
-        """Return the weights after a step."""
-        model, unknowns, old = self.model, self.unknowns, self.weights
-        m, basis = model.n_coordinates, model.basis
-        n_splines, n_harmonics = basis.size * m, model.harmonics.size * m
-        rough = np.sum(unknowns.splines * (basis.roughness @ unknowns.splines), axis=0)
-        drawn = probes[:n_splines].reshape(basis.size, -1)
-        traces = np.sum(drawn * (basis.roughness @ drawn), axis=0).reshape(m, -1).mean(axis=1)
-        roughness, deviation = np.empty(m), np.empty_like(old.harmonic_deviation)
-        spread = np.mean(probes[n_splines : n_splines + n_harmonics] ** 2, axis=1)
-        squares = unknowns.harmonics**2 + spread.reshape(model.harmonics.size, m)
-        stiffest = _stiffest(linearized, old)
+        """Return the weights after a step.
+
+        Args:
+            linearized: The model about the unknowns before the step.
+            probes: Draws of the posterior about 0, one in every column.
+        """
+        draws = _Draws.of(self.model, probes)
+        membership = self.membership()
+        return Weights(
+            roughness=self._renew_roughness(linearized, draws),
+            harmonic_deviation=self._renew_harmonics(draws),
+            bend_deviation=self._renew_bend(draws),
+            noise=self._renew_noise(membership, linearized.spread_of_places(probes)),
+            outlier_share=self._renew_outlier_share(membership),
+        )
+
+    def _renew_roughness(
+        self, linearized: Linearized, draws: _Draws
+    ) -> Float[np.ndarray, " n_coordinates"]:
+        """Return the weights of roughness after a step of Fellner and Schall."""
+        basis = self.model.basis
+        splines = self.unknowns.splines
+        rough = np.sum(splines * (basis.roughness @ splines), axis=0)
+        traces = draws.traces_of_roughness(basis)
+        stiffest = _stiffest(linearized, self.weights)
+        roughness = np.empty(self.model.n_coordinates)
         for group in GROUPS.values():
-            now = old.roughness[group]
+            old = self.weights.roughness[group]
             straightness = 0.0
             if group.start == N_ROOT:
-                straightness = old.bend_deviation**-2
-            free = _count_free(basis, now, straightness)
-            freedoms = free - float(np.sum(now * traces[group]))
+                straightness = self.weights.bend_deviation**-2
+            rank = _count_free(basis, old, straightness)
+            freedoms = rank - float(np.sum(old * traces[group]))
             unlimited = max(freedoms, 1e-3) / float(np.sum(rough[group]))
-            lowest = now / LARGEST_CHANGE
-            highest = np.minimum(now * LARGEST_CHANGE, stiffest[group])
+            lowest = old / LARGEST_CHANGE
+            highest = np.minimum(old * LARGEST_CHANGE, stiffest[group])
             roughness[group] = np.minimum(np.maximum(unlimited, lowest), highest)
-            for order in range(model.harmonics.n_orders):
-                pair = slice(2 * order, 2 * order + 2)
-                of_pair = squares[pair, group]
-                deviation[pair, group] = math.sqrt(float(np.sum(of_pair)) / of_pair.size)
-        bends = unknowns.splines[:, N_ROOT:]
-        bend_spread = np.mean(drawn.reshape(basis.size, m, -1)[:, N_ROOT:] ** 2, axis=2)
-        bend = _renew_bend(old, basis, float(np.sum(bends**2)), float(np.sum(bend_spread)))
-        membership = self.membership()
-        square = membership * np.abs(model.residuals(unknowns)) ** 2
-        spread = np.sum(membership * linearized.spread_of_places(probes), axis=0)
-        numbers = 2.0 * np.sum(membership, axis=0)
-        freedoms_left = np.maximum(numbers - spread / old.noise**2, FEWEST_FREEDOMS * numbers)
-        noise = np.sqrt(np.sum(square, axis=0) / freedoms_left)
-        n_seen = int(np.sum(model.seen))
-        share = (n_seen - float(np.sum(membership)) + 0.5) / (n_seen + 1.0)
-        return Weights(
-            roughness=roughness,
-            harmonic_deviation=deviation,
-            bend_deviation=bend,
-            noise=np.maximum(noise, 1e-7 * model.geometry.robot.length),
-            outlier_share=share,
-        )
+        return roughness
+
+    def _renew_harmonics(self, draws: _Draws) -> Float[np.ndarray, "n_functions n_coordinates"]:
+        """Return the deviations of harmonics: expected rms of their coefficients, by order and group."""
+        harmonics = self.unknowns.harmonics
+        variances = np.mean(draws.harmonics**2, axis=1)
+        squares = harmonics**2 + variances.reshape(harmonics.shape)
+        deviation = np.empty_like(self.weights.harmonic_deviation)
+        for order in range(self.model.harmonics.n_orders):
+            cosine_and_sine = slice(2 * order, 2 * order + 2)
+            for group in GROUPS.values():
+                squares_of_group = squares[cosine_and_sine, group]
+                total = float(np.sum(squares_of_group))
+                deviation[cosine_and_sine, group] = math.sqrt(total / squares_of_group.size)
+        return deviation
+
+    def _renew_bend(self, draws: _Draws) -> float:
+        """Return the deviation of joint angles about straight after a step of the kind of the roughness."""
+        deviation = self.weights.bend_deviation
+        precision = deviation**-2
+        joint_roughness = self.weights.roughness[N_ROOT:]
+        stiffness = np.outer(joint_roughness, self.model.basis.roughness_sizes)
+        if stiffness.size == 0:
+            return deviation
+        bends = self.unknowns.splines[:, N_ROOT:]
+        size = float(np.sum(bends**2))
+        variances = np.mean(draws.splines[:, N_ROOT:] ** 2, axis=2)
+        rank = float(np.sum(precision / (stiffness + precision)))
+        freedoms = rank - precision * float(np.sum(variances))
+        unlimited = max(freedoms, 1e-3) / size
+        lowest = precision / LARGEST_CHANGE
+        highest = precision * LARGEST_CHANGE
+        renewed = min(max(unlimited, lowest), highest)
+        return min(max(renewed**-0.5, SMALLEST_BEND), LARGEST_BEND)
+
+    def _renew_noise(
+        self,
+        membership: Float[np.ndarray, "n_frames n_points"],
+        spread_of_places: Float[np.ndarray, "n_frames n_points"],
+    ) -> Float[np.ndarray, " n_points"]:
+        """Return the noise of every point: its residuals, over the numbers that the motion did not take."""
+        squares = membership * np.abs(self.model.residuals(self.unknowns)) ** 2
+        spread = np.sum(membership * spread_of_places, axis=0)
+        n_numbers = 2.0 * np.sum(membership, axis=0)
+        n_left = n_numbers - spread / self.weights.noise**2
+        n_left = np.maximum(n_left, FEWEST_FREEDOMS * n_numbers)
+        noise = np.sqrt(np.sum(squares, axis=0) / n_left)
+        # Exact points must not make the equations singular.
+        return np.maximum(noise, 1e-7 * self.model.geometry.robot.length)
+
+    def _renew_outlier_share(self, membership: Float[np.ndarray, "n_frames n_points"]) -> float:
+        """Return the share of outliers; half a place more, so that it is never 0."""
+        n_seen = int(np.sum(self.model.is_seen))
+        n_outliers = n_seen - float(np.sum(membership))
+        return (n_outliers + 0.5) / (n_seen + 1.0)
 
     def log_evidence(self, factor: ArrowFactor) -> float:
         """Return the logarithm of the marginal likelihood (Laplace), up to what no weight changes."""
         regular, anywhere = self._densities()
-        likelihood = float(np.sum(np.log(regular + anywhere)[self.model.seen]))
+        likelihood = float(np.sum(np.log(regular + anywhere)[self.model.is_seen]))
         prior = Prior(model=self.model, weights=self.weights).log_density(self.unknowns)
         return likelihood + prior - 0.5 * factor.log_determinant
 
@@ -336,13 +431,49 @@ class _Search:
         )
 
 
+def _cutoff(model: FilmModel) -> float:
+    """Return the angular frequency up to which the splines are free at first [rad/s]."""
+    frequency = model.harmonics.frequency
+    if frequency == 0.0:
+        frequency = 2.0 * math.pi * 5.0 / model.duration
+    return FIRST_CUTOFF * frequency
+
+
+def _first_roughness(model: FilmModel) -> float:
+    """Return the weight of roughness, for places of deviation 1, with which splines bend off at the cutoff."""
+    # The third derivative of a wave is larger than the wave by its frequency cubed. The integral of its square
+    # stands against a sum over frames.
+    return model.frame_rate * _cutoff(model) ** -6.0
+
+
+def _first_weights(model: FilmModel, unknowns: Unknowns) -> Weights:
+    """Return the weights before the first step, with noise as large as the residuals of the first guess."""
+    length = model.geometry.robot.length
+    residuals = np.abs(model.residuals(unknowns))[model.is_seen]
+    noise = NORMAL_MEDIAN * float(np.median(residuals)) / math.sqrt(2.0)
+    noise = max(noise, 1e-6 * length)
+    jacobian = Linearized.of(model, unknowns).by_coordinate
+    sensitivity = np.mean(np.sum(jacobian**2, axis=1), axis=0) / noise**2
+    scale = np.full(model.n_coordinates, FIRST_BEND)
+    scale[:2] *= 0.3 * length
+    return Weights(
+        roughness=_shared(sensitivity * model.frame_rate * _cutoff(model) ** -6.0),
+        harmonic_deviation=np.tile(scale, (model.harmonics.size, 1)),
+        bend_deviation=FIRST_BEND,
+        noise=np.full(model.n_points, noise),
+        outlier_share=FIRST_OUTLIERS,
+    )
+
+
 def _smooth(
     model: FilmModel, guess: Float[np.ndarray, "n_frames n_coordinates"], weight: float
 ) -> Float[np.ndarray, "n_splines n_coordinates"]:
     """Return splines through the first guess, with a given weight of their roughness."""
-    values, n = model.spline_values, model.basis.size
-    sparse, linalg = load_scipy("sparse"), load_scipy("sparse.linalg")
-    matrix = values.T @ values + weight * model.basis.roughness + 1e-9 * sparse.eye_array(n)
+    sparse = load_scipy("sparse")
+    linalg = load_scipy("sparse.linalg")
+    values = model.spline_values
+    matrix = values.T @ values + weight * model.basis.roughness
+    matrix = matrix + 1e-9 * sparse.eye_array(model.basis.size)
     return np.asarray(linalg.splu(matrix.tocsc()).solve(values.T @ guess))
 
 
@@ -376,29 +507,11 @@ def _count_free(
     return float(np.sum(stiffness / (stiffness + straightness)))
 
 
-def _renew_bend(old: Weights, basis: SplineBasis, size: float, spread: float) -> float:
-    """Return the deviation of joint angles about straight after a step of the kind of the roughness.
-
-    Args:
-        old: Weights before the step.
-        basis: The splines.
-        size: Sum of the squared coefficients of all joints [rad^2].
-        spread: The same of their variances [rad^2].
-    """
-    precision = old.bend_deviation**-2
-    stiffness = np.outer(old.roughness[N_ROOT:], basis.roughness_sizes)
-    if stiffness.size == 0:
-        return old.bend_deviation
-    freedoms = float(np.sum(precision / (stiffness + precision))) - precision * spread
-    unlimited = max(freedoms, 1e-3) / size
-    renewed = min(max(unlimited, precision / LARGEST_CHANGE), precision * LARGEST_CHANGE)
-    return min(max(renewed**-0.5, SMALLEST_BEND), LARGEST_BEND)
-
-
 def _stiffest(linearized: Linearized, weights: Weights) -> Float[np.ndarray, " n_coordinates"]:
     """Return the largest weights of roughness with which the equations can be solved."""
     basis = linearized.model.basis
     root_weight = np.tile(1.0 / weights.noise, 2)[:, np.newaxis]
-    information = np.sum((root_weight * linearized.by_coordinate) ** 2, axis=(0, 1)) / basis.size
+    squares = (root_weight * linearized.by_coordinate) ** 2
+    information = np.sum(squares, axis=(0, 1)) / basis.size
     diagonal: np.ndarray = basis.roughness.diagonal()
     return _shared(STIFFEST * basis.size * information / float(np.sum(diagonal)))

@@ -75,7 +75,7 @@ class ChainFit:
     @property
     def n_outliers(self) -> int:
         """Number of places that were seen and belong elsewhere."""
-        return int(np.sum(self.model.seen & (self.membership < SURE)))
+        return int(np.sum(self.model.is_seen & (self.membership < SURE)))
 
     @property
     def places(self) -> PointPlaces:

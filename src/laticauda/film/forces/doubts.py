@@ -68,7 +68,7 @@ def _doubt_length(forces: FilmForces) -> str:
 
 def _doubt_chain(forces: FilmForces) -> str:
     fit = forces.fit
-    n_seen = max(int(np.count_nonzero(fit.model.seen)), 1)
+    n_seen = max(int(np.count_nonzero(fit.model.is_seen)), 1)
     outliers = fit.n_outliers / n_seen
     if share_of_misfit(forces) < LOOSEST and outliers < MOST_OUTLIERS:
         return ""

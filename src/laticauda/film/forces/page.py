@@ -87,8 +87,8 @@ def _link_row(link: int, figure: Estimate) -> Row:
 
 def _point_rows(forces: FilmForces) -> list[Row]:
     fit = forces.fit
-    elsewhere = (fit.model.seen & (fit.membership < SURE)).sum(axis=0)
-    lost = (~fit.model.seen).sum(axis=0)
+    elsewhere = (fit.model.is_seen & (fit.membership < SURE)).sum(axis=0)
+    lost = (~fit.model.is_seen).sum(axis=0)
     return [
         {
             "point": name,

@@ -27,7 +27,7 @@ def measure_stretch(fit: ChainFit) -> float:
     seen_total, true_total = 0.0, 0.0
     for i, j in pairwise(order):
         distance = float(along[j] - along[i])
-        is_both = model.seen[:, i] & model.seen[:, j]
+        is_both = model.is_seen[:, i] & model.is_seen[:, j]
         is_short = 0.0 < distance <= LONGEST_CHORD * fit.robot.length
         if not is_short or not is_both.any():
             continue
