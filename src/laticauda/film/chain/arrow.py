@@ -113,7 +113,10 @@ def fill_band(blocks: Float[np.ndarray, "n_offsets n_knots m m"]) -> Float[np.nd
     for offset in range(n_offsets):
         n_blocks = n_knots - offset
         for q in range(m):
-            first = q if offset == 0 else 0
-            rows = np.array(range(offset * m + first - q, offset * m + m - q))
-            band[rows, columns[:n_blocks] + q] = blocks[offset, :n_blocks, first:, q]
+            first = 0
+            if offset == 0:
+                first = q  # a block on the diagonal is stored from there on
+            begin = offset * m - q
+            diagonals = np.array(range(begin + first, begin + m))
+            band[diagonals, columns[:n_blocks] + q] = blocks[offset, :n_blocks, first:, q]
     return band

@@ -68,13 +68,14 @@ class SplineBasis:
     @cached_property
     def roughness(self) -> Any:
         """The matrix R of x^T R x, the integral of the squared third derivative, sparse."""
-        nodes, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
-        middles = self.begin + self.step * (np.arange(self.n_intervals) + 0.5)
-        time = (middles[:, np.newaxis] + 0.5 * self.step * nodes).ravel()
-        all_weights = np.tile(0.5 * self.step * weights, self.n_intervals)
         sparse = load_scipy("sparse")
-        third = self.matrix(time, ROUGH_DERIVATIVE)
-        return sparse.csr_array(third.T @ sparse.diags_array(all_weights) @ third)
+        nodes, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
+        half_step = 0.5 * self.step
+        middles = self.begin + self.step * (np.arange(self.n_intervals) + 0.5)
+        time = middles[:, np.newaxis] + half_step * nodes
+        third_derivative = self.matrix(time.ravel(), ROUGH_DERIVATIVE)
+        durations = sparse.diags_array(np.tile(half_step * weights, self.n_intervals))
+        return sparse.csr_array(third_derivative.T @ durations @ third_derivative)
 
     @cached_property
     def roughness_sizes(self) -> Float[np.ndarray, " n_splines"]:
@@ -124,7 +125,8 @@ class Harmonics:
         """
         rates = self.orders * frequency
         # A sine is a cosine a quarter later, and each derivative leads by a quarter.
-        lag = np.tile([0.0, 0.5 * np.pi], self.n_orders) - 0.5 * np.pi * derivative
+        quarter = 0.5 * np.pi
+        lag = np.tile([0.0, quarter], self.n_orders) - quarter * derivative
         phase = rates * (time[:, np.newaxis] - self.middle)
         return rates**derivative * np.cos(phase - lag)
 

@@ -64,8 +64,9 @@ def places_at(along: Distances, left: Distances | None = None) -> PointPlaces:
         left: Distance of each from the axis, to the left; None: on the axis [m].
     """
     distances = np.asarray(along, dtype=float)
-    beside = np.zeros_like(distances) if left is None else np.asarray(left, dtype=float)
-    return PointPlaces(along=distances, left=beside)
+    if left is None:
+        left = np.zeros_like(distances)
+    return PointPlaces(along=distances, left=np.asarray(left, dtype=float))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

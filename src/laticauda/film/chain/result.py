@@ -14,6 +14,8 @@ from laticauda.film.chain.motion import ChainMotion
 from laticauda.film.points import TrackedPoints
 from laticauda.robot import Robot
 
+LARGEST_CORRELATION = 0.95
+"""Correlation of noise in consecutive frames, at most: at 1 a film would say nothing."""
 SURE = 0.5
 """Odds below which a place is taken for an outlier."""
 
@@ -80,8 +82,11 @@ class ChainFit:
     @property
     def places(self) -> PointPlaces:
         """Where the points sit, as found."""
-        given, shift = self.model.places, self.unknowns.shift
-        return replace(given, along=given.along + np.real(shift), left=given.left + np.imag(shift))
+        places = self.model.places
+        shift = self.unknowns.shift
+        along = places.along + np.real(shift)
+        left = places.left + np.imag(shift)
+        return replace(places, along=along, left=left)
 
     @cached_property
     def residuals(self) -> Complex[np.ndarray, "n_frames n_points"]:
@@ -94,11 +99,15 @@ class ChainFit:
         residuals = np.where(self.membership > SURE, self.residuals / self.noise, 0.0)
         products = np.real(residuals[1:] * residuals[:-1].conj())
         n_pairs = np.count_nonzero(products)
-        size = float(np.mean(np.abs(residuals[residuals != 0.0]) ** 2)) if n_pairs else 1.0
-        correlation = float(np.sum(products)) / (max(n_pairs, 1) * size)
-        if correlation < 2.0 / math.sqrt(2.0 * max(n_pairs, 1)):
+        if n_pairs == 0:
             return 0.0
-        return min(correlation, 0.95)
+        variance = float(np.mean(np.abs(residuals[residuals != 0.0]) ** 2))
+        correlation = float(np.sum(products)) / (n_pairs * variance)
+        # Without any correlation, the mean of two numbers a pair has this deviation.
+        deviation_by_chance = 1.0 / math.sqrt(2.0 * n_pairs)
+        if correlation < 2.0 * deviation_by_chance:
+            return 0.0
+        return min(correlation, LARGEST_CORRELATION)
 
     @property
     def widening(self) -> float:
@@ -136,16 +145,21 @@ class ChainFit:
     ) -> ChainMotion:
         """Return the motions of vectors of unknowns in columns."""
         time = np.asarray(time, dtype=float)
-        matrices = [self.model.basis.matrix(time, derivative) for derivative in range(3)]
-        shape = (3, vectors.shape[1], time.size, self.model.n_coordinates)
-        orders = np.empty(shape)
+        matrices = [self.model.basis.matrix(time, order) for order in range(3)]
+        harmonics = self.model.harmonics
+        n_draws = vectors.shape[1]
+        derivatives = np.empty((3, n_draws, time.size, self.model.n_coordinates))
         for draw, vector in enumerate(vectors.T):
             unknowns = self.model.split(vector)
-            for derivative, matrix in enumerate(matrices):
-                waves = self.model.harmonics.values(time, unknowns.frequency, derivative)
-                orders[derivative, draw] = matrix @ unknowns.splines + waves @ unknowns.harmonics
+            for order, matrix in enumerate(matrices):
+                waves = harmonics.values(time, unknowns.frequency, order)
+                periodic = waves @ unknowns.harmonics
+                derivatives[order, draw] = matrix @ unknowns.splines + periodic
         return ChainMotion(
-            time=time, coordinates=orders[0], rates=orders[1], accelerations=orders[2]
+            time=time,
+            coordinates=derivatives[0],
+            rates=derivatives[1],
+            accelerations=derivatives[2],
         )
 
     @cached_property

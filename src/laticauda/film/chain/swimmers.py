@@ -55,23 +55,17 @@ def build_body(
     """
     length = check_positive("length", length, "m")
     check_whole_number("n_links", n_links, 2, 100)
-    half_widths = 0.5 * _spread("width", width, n_links)
-    half_heights = 0.5 * _spread("height", height, n_links)
+    half_widths = 0.5 * _sizes_of_links("width", width, n_links)
+    half_heights = 0.5 * _sizes_of_links("height", height, n_links)
     volumes = np.pi * half_widths * half_heights * length / n_links
     total = WATER_DENSITY * float(np.sum(volumes))
     if mass is not None:
         total = check_positive("mass", mass, "kg")
     masses = total * volumes / np.sum(volumes)
-    modules = [
-        Module(
-            length=length / n_links,
-            mass=float(link_mass),
-            section=Section(half_height=float(half_height), half_width=float(half_width)),
-        )
-        for half_width, half_height, link_mass in zip(
-            half_widths, half_heights, masses, strict=True
-        )
-    ]
+    modules: list[Module] = []
+    for i in range(n_links):
+        section = Section(half_height=float(half_heights[i]), half_width=float(half_widths[i]))
+        modules.append(Module(length=length / n_links, mass=float(masses[i]), section=section))
     joint = Joint(actuator=Actuator(stated=False))
     return Robot(
         name=name,
@@ -118,13 +112,23 @@ def build_fish(length: float, *, mass: float | None = None, n_links: int = USUAL
     return build_body("fish", length, width.tolist(), height.tolist(), mass=mass, n_links=n_links)
 
 
-def _spread(name: str, profile: Sequence[float], n_links: int) -> Float[np.ndarray, " n_links"]:
+def _sizes_of_links(
+    name: str, profile: Sequence[float], n_links: int
+) -> Float[np.ndarray, " n_links"]:
     """Return a profile at the middles of all links, nowhere nothing [m]."""
-    values = np.asarray(profile, dtype=float)
-    if values.ndim != 1 or values.size < 2:
-        raise BadArgument(name, "must hold at least two numbers, from the tail tip to the nose")
-    if not np.all(np.isfinite(values)) or np.any(values < 0.0) or not np.any(values > 0.0):
-        raise BadArgument(name, f"must hold sizes >= 0 m, some of them > 0, got {list(profile)}")
+    sizes = _check_profile(name, profile)
     middles = (np.arange(n_links) + 0.5) / n_links
-    spread = np.interp(middles, np.linspace(0.0, 1.0, values.size), values)
-    return np.maximum(spread, LEAST_SHARE * np.max(values))
+    steps = np.linspace(0.0, 1.0, sizes.size)
+    sizes_of_links = np.interp(middles, steps, sizes)
+    return np.maximum(sizes_of_links, LEAST_SHARE * np.max(sizes))
+
+
+def _check_profile(name: str, profile: Sequence[float]) -> Float[np.ndarray, " n_sizes"]:
+    """Return a profile as an array, if it holds sizes."""
+    sizes = np.asarray(profile, dtype=float)
+    if sizes.ndim != 1 or sizes.size < 2:
+        raise BadArgument(name, "must hold at least two numbers, from the tail tip to the nose")
+    are_sizes = np.all(np.isfinite(sizes)) and np.all(sizes >= 0.0)
+    if not are_sizes or not np.any(sizes > 0.0):
+        raise BadArgument(name, f"must hold sizes >= 0 m, some of them > 0, got {list(profile)}")
+    return sizes
