@@ -1,3 +1,4 @@
+import re
 import signal
 import threading
 import time
@@ -367,3 +368,18 @@ def test_what_many_trials_came_to_is_a_dataset_with_the_labels_of_a_sweep():
 def test_the_dataset_of_trials_in_space_has_three_axes():
     swims = lc.swim_many(MAMBA, [GAIT], 0.2, model="spatial")
     assert swims.to_dataset().axis.values.tolist() == ["x", "y", "z"]
+
+
+@pytest.mark.parametrize(
+    ("name", "instead"),
+    [
+        ("environment", "`environments`, one for all trials or one for each"),
+        ("start", "`starts`, one for all trials or one for each"),
+        ("current", "`environments` with that current"),
+        ("parameters", "`environments` and `joints`, or scenarios in place of robots"),
+    ],
+)
+def test_an_argument_of_a_single_run_is_refused_with_that_of_many(name, instead):
+    message = f"There is no argument `{name}` for many trials: give {instead}."
+    with pytest.raises(TypeError, match=re.escape(message)):
+        lc.swim_many(MAMBA, [GAIT], 0.2, **{name: "paper-lateral"})

@@ -25,6 +25,14 @@ from laticauda.values import BadArgument, check_instance, check_not_empty
 
 Item = TypeVar("Item")
 
+NOT_OF_BATCHES = {
+    "environment": "`environments`, one for all trials or one for each",
+    "start": "`starts`, one for all trials or one for each",
+    "current": "`environments` with that current",
+    "parameters": "`environments` and `joints`, or scenarios in place of robots",
+}
+"""Arguments of `swim` that a batch has not, and what it has instead."""
+
 
 def scenarios_of_batch(
     robots: Sequence[Scenario] | Robot | Sequence[Robot] | str | Path,
@@ -37,6 +45,9 @@ def scenarios_of_batch(
     **changes: Unpack[ModelChanges],
 ) -> Sequence[Scenario]:
     """Return the scenarios of a batch; arguments as for `swim_many`."""
+    for name, instead in NOT_OF_BATCHES.items():
+        if name in changes:
+            raise TypeError(f"There is no argument `{name}` for many trials: give {instead}.")
     if isinstance(robots, str | Path):
         robots = load_robot(robots)
     if gaits is None:
