@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Bool, Complex, Float, Int
 
 from laticauda.film.calibration.calibration import CameraCalibration
 from laticauda.film.calibration.optics import Lens, Pixels, Places, Surface, locate
@@ -35,6 +35,8 @@ UNKNOWN_LENS = {
 """Deviations of a lens of which nothing is known; that of the center in widths of the picture."""
 WIDEST = 6.0
 """Distance from what is known beforehand at most, in standard deviations."""
+POSE_SCALE = 0.01
+"""Size of a usual step of a rotation [rad] or a translation [m]."""
 MOST_STEPS = 40
 """Steps of a search at most."""
 N_DRAWS = 200
@@ -78,26 +80,28 @@ class _Model:
 
     def unpack(self, vector: Vector) -> dict[str, Any]:
         """Return the arguments of `locate`, without the height of the plane."""
-        rotation, translation = vector[:3], vector[3:6]
+        return {
+            "lens": self._lens_at(vector),
+            "rotation": vector[:3],
+            "translation": vector[3:6],
+            "surface": self._surface_at(vector),
+        }
+
+    def _lens_at(self, vector: Vector) -> Lens:
         log_focal_length, x, y, k1, k2 = vector[6:11]
-        _, _, p1, p2, k3 = self.lens.distortion
-        lens = replace(
+        return replace(
             self.lens,
             focal_length=float(np.exp(log_focal_length)),
             center=(float(x), float(y)),
-            distortion=(float(k1), float(k2), p1, p2, k3),
+            distortion=(float(k1), float(k2), *self.lens.distortion[2:]),
         )
-        surface = self.surface
-        if surface is not None:
-            surface = replace(
-                surface, height=float(vector[11]), index=float(np.clip(vector[12], 1.0, 2.0))
-            )
-        return {
-            "lens": lens,
-            "rotation": rotation,
-            "translation": translation,
-            "surface": surface,
-        }
+
+    def _surface_at(self, vector: Vector) -> Surface | None:
+        if self.surface is None:
+            return None
+        height = float(vector[11])
+        index = float(np.clip(vector[12], 1.0, 2.0))
+        return replace(self.surface, height=height, index=index)
 
     def expected(self) -> tuple[Float[np.ndarray, " n_known"], Float[np.ndarray, " n_known"]]:
         """Return what is known beforehand of all parameters after the pose, and its deviations."""
@@ -151,19 +155,22 @@ def calibrate_camera(
         raise BadArgument("marks", "must not lie on one line")
     _check_spread(marks)
     candidates = _candidate_lenses(lens, image_size)
-    fits = [_search(marks, _Model(lens=candidate, surface=surface)) for candidate in candidates]
+    models = [_Model(lens=candidate, surface=surface) for candidate in candidates]
+    fits = [_search(marks, model) for model in models]
     best = min(range(len(fits)), key=lambda i: fits[i].cost)
     # The best guess is the start; what is known beforehand of the lens remains the same.
-    model = _Model(lens=candidates[best], surface=surface)
-    _check_residuals(marks, model, fits[best].x, image_size)
-    noise = _noise_of(marks, model, fits[best].x)
-    solution = _search(marks, model, start=fits[best].x, noise=noise, loss="linear")
+    model = models[best]
+    start = fits[best].x
+    _check_residuals(marks, model, start, image_size)
+    noise = _noise_of(marks, model, start)
+    solution = _search(marks, model, start=start, noise=noise, loss="linear")
     if lens is not None:
         _check_lens(marks, model, solution.x)
     residual = _residual_of(marks, model, solution.x)
     covariance = np.linalg.pinv(solution.jac.T @ solution.jac)
+    deviations = np.sqrt(np.diag(covariance))
     calibration = CameraCalibration(
-        **_stored(model.unpack(solution.x), np.sqrt(np.diag(covariance))),
+        **_stored(model.unpack(solution.x), deviations),
         plane_height=plane_height,
         plane_height_deviation=plane_height_deviation,
         residual=residual,
@@ -226,18 +233,20 @@ def _stored(arguments: dict[str, Any], deviations: Vector) -> dict[str, Any]:
 def _candidate_lenses(lens: Lens | None, image_size: tuple[int, int]) -> list[Lens]:
     if lens is not None:
         return [lens.scaled_to(image_size)]
+    return [_guess_lens(share, image_size) for share in USUAL_FOCAL_LENGTHS]
+
+
+def _guess_lens(share: float, image_size: tuple[int, int]) -> Lens:
+    """Return a lens of which nothing is known, with a focal length by the width of the picture."""
     width, height = image_size
-    return [
-        Lens(
-            image_size=image_size,
-            focal_length=share * width,
-            center=(0.5 * (width - 1), 0.5 * (height - 1)),
-            focal_length_deviation=UNKNOWN_LENS["focal_length_deviation"],
-            center_deviation=UNKNOWN_LENS["center_deviation"] * width,
-            distortion_deviation=UNKNOWN_LENS["distortion_deviation"],
-        )
-        for share in USUAL_FOCAL_LENGTHS
-    ]
+    return Lens(
+        image_size=image_size,
+        focal_length=share * width,
+        center=(0.5 * (width - 1), 0.5 * (height - 1)),
+        focal_length_deviation=UNKNOWN_LENS["focal_length_deviation"],
+        center_deviation=UNKNOWN_LENS["center_deviation"] * width,
+        distortion_deviation=UNKNOWN_LENS["distortion_deviation"],
+    )
 
 
 # ---- search --------------------------------------------------------------------------------------
@@ -258,9 +267,10 @@ def _search(
 
     def residuals(vector: Vector) -> Float[np.ndarray, " n_residuals"]:
         in_pixels = _residuals_in_pixels(marks, model, vector, noise)
-        return np.concatenate((in_pixels, (vector[6:] - expected) / deviations))
+        from_expected = (vector[6:] - expected) / deviations
+        return np.concatenate((in_pixels, from_expected))
 
-    scale = np.concatenate((np.full(3, 0.01), np.full(3, 0.01), deviations))
+    scale = np.concatenate((np.full(6, POSE_SCALE), deviations))
     reach = np.concatenate((np.full(6, np.inf), WIDEST * deviations))
     middle = np.concatenate((np.zeros(6), expected))
     return optimize.least_squares(
@@ -277,7 +287,8 @@ def _first_pose(marks: Marks, lens: Lens) -> Float[np.ndarray, " 6"]:
     """Return rotation vector and translation, as if there were no water."""
     opencv = load_opencv("Calibrating a camera")
     x, y = lens.center
-    matrix = np.array([[lens.focal_length, 0.0, x], [0.0, lens.focal_length, y], [0.0, 0.0, 1.0]])
+    matrix = np.diag([lens.focal_length, lens.focal_length, 1.0])
+    matrix[:2, 2] = (x, y)
     places = np.column_stack((marks.places, np.zeros(len(marks.places))))
     middle = places.mean(axis=0)
     is_found, rotation, translation = opencv.solvePnP(
@@ -297,19 +308,41 @@ def _residuals_in_pixels(
     marks: Marks, model: _Model, vector: Vector, noise: float
 ) -> Float[np.ndarray, " n_residuals"]:
     """Return what is left between marks and their places, over its deviation."""
-    n_marks = len(marks.pixels)
-    beside = np.concatenate([marks.pixels + shift for shift in ((0, 0), (1, 0), (0, 1))])
-    traced = locate(beside, plane_height=0.0, **model.unpack(vector)).reshape(3, n_marks, 2)
-    is_seen = np.isfinite(np.sum(traced, axis=(0, 2)))
-    traced = np.where(is_seen[:, np.newaxis], traced, 0.0)
-    per_pixel = np.stack((traced[1] - traced[0], traced[2] - traced[0]), axis=-1)
-    left = np.einsum("nij,nj->ni", np.linalg.pinv(per_pixel), traced[0] - marks.places)
-    size = np.sqrt(np.abs(np.linalg.det(per_pixel)))
-    left[~is_seen] = FAR_AWAY
-    size = np.where(is_seen, np.maximum(size, SMALLEST_PIXEL), np.inf)
+    traced = _trace_marks(marks, model, vector)
+    misplaced = traced.places - marks.places
+    in_pixels = np.einsum("nij,nj->ni", np.linalg.pinv(traced.per_pixel), misplaced)
+    in_pixels[~traced.meets_plane] = FAR_AWAY
+    pixel_size = np.sqrt(np.abs(np.linalg.det(traced.per_pixel)))
+    pixel_size = np.maximum(pixel_size, SMALLEST_PIXEL)
+    # Beside a ray that misses the plane, the error of a place is nothing.
+    pixel_size = np.where(traced.meets_plane, pixel_size, np.inf)
     # The corners of a tag are misplaced together, so that they count like one.
-    of_place = np.sqrt(CORNERS_OF_TAG) * marks.place_deviation / size
-    return (left / np.hypot(noise, of_place)[:, np.newaxis]).ravel()
+    place_deviation = np.sqrt(CORNERS_OF_TAG) * marks.place_deviation / pixel_size
+    deviation = np.hypot(noise, place_deviation)
+    return (in_pixels / deviation[:, np.newaxis]).ravel()
+
+
+class _TracedMarks(NamedTuple):
+    """Where the rays of marks meet their plane."""
+
+    places: Places
+    """Where they meet it; 0 where they do not [m]."""
+    per_pixel: Float[np.ndarray, "n_marks 2 2"]
+    """By how much the place moves along x and y (rows) with a pixel to the right and down (columns) [m]."""
+    meets_plane: Bool[np.ndarray, " n_marks"]
+    """Whether they meet it, and those of the next pixels do, too."""
+
+
+def _trace_marks(marks: Marks, model: _Model, vector: Vector) -> _TracedMarks:
+    """Return where the rays of marks, and of the pixels to the right and below, meet the plane."""
+    shifts = ((0, 0), (1, 0), (0, 1))
+    pixels = np.concatenate([marks.pixels + shift for shift in shifts])
+    places = locate(pixels, plane_height=0.0, **model.unpack(vector))
+    places = places.reshape(len(shifts), len(marks.pixels), 2)
+    meets_plane = np.isfinite(np.sum(places, axis=(0, 2)))
+    places = np.where(meets_plane[:, np.newaxis], places, 0.0)
+    per_pixel = np.stack((places[1] - places[0], places[2] - places[0]), axis=-1)
+    return _TracedMarks(places=places[0], per_pixel=per_pixel, meets_plane=meets_plane)
 
 
 FAR_AWAY = 1e4
@@ -321,8 +354,8 @@ SMALLEST_PIXEL = 1e-9
 def _distances(marks: Marks, model: _Model, vector: Vector) -> Float[np.ndarray, " n_marks"]:
     """Return how far each mark is from where its place says [px]."""
     exact = replace(marks, place_deviation=0.0)
-    left = _residuals_in_pixels(exact, model, vector, noise=1.0)
-    return np.linalg.norm(left.reshape(-1, 2), axis=1)
+    residuals = _residuals_in_pixels(exact, model, vector, noise=1.0)
+    return np.linalg.norm(residuals.reshape(-1, 2), axis=1)
 
 
 def _residual_of(marks: Marks, model: _Model, vector: Vector) -> float:
@@ -347,9 +380,9 @@ def _check_residuals(
     if len(names) == 1:
         rule = f"must be where their places say, but they are {residual:.1f} px off"
         raise BadArgument("marks", f"{rule}; measure them again")
-    without = {name: _fit_without(name, marks, model, vector) for name in names}
-    worst = min(names, key=lambda name: without[name].residual_of_others)
-    if without[worst].residual_of_others > WORST_RESIDUAL * image_size[0]:
+    fits = {name: _fit_without(name, marks, model, vector) for name in names}
+    worst = min(names, key=lambda name: fits[name].residual_of_others)
+    if fits[worst].residual_of_others > WORST_RESIDUAL * image_size[0]:
         raise BadArgument(
             "marks",
             f"must be where their places say, but they are {residual:.0f} px off, and no single tag is to blame: "
@@ -357,12 +390,12 @@ def _check_residuals(
         )
     raise BadArgument(
         "marks",
-        f"must be where their places say, but {worst} is {without[worst].distance:.0f} px off; "
+        f"must be where their places say, but {worst} is {fits[worst].distance:.0f} px off; "
         "measure its place, size and direction again",
     )
 
 
-class _Without(NamedTuple):
+class _FitWithout(NamedTuple):
     """A fit without one tag."""
 
     residual_of_others: float
@@ -370,13 +403,13 @@ class _Without(NamedTuple):
     """How far the tag is from where its place says [px]."""
 
 
-def _fit_without(name: str, marks: Marks, model: _Model, vector: Vector) -> _Without:
+def _fit_without(name: str, marks: Marks, model: _Model, vector: Vector) -> _FitWithout:
     is_own = np.array([group == name for group in marks.groups])
     other_marks = _select(marks, ~is_own)
     if len(other_marks.pixels) < FEWEST_MARKS:
-        return _Without(residual_of_others=np.inf, distance=np.inf)
+        return _FitWithout(residual_of_others=np.inf, distance=np.inf)
     best = _search(other_marks, model, start=vector).x
-    return _Without(
+    return _FitWithout(
         residual_of_others=_residual_of(other_marks, model, best),
         distance=_residual_of(_select(marks, is_own), model, best),
     )
@@ -385,7 +418,10 @@ def _fit_without(name: str, marks: Marks, model: _Model, vector: Vector) -> _Wit
 def _select(marks: Marks, is_chosen: Bool[np.ndarray, " n"]) -> Marks:
     groups = [group for group, chosen in zip(marks.groups, is_chosen, strict=True) if chosen]
     return replace(
-        marks, pixels=marks.pixels[is_chosen], places=marks.places[is_chosen], groups=groups
+        marks,
+        pixels=marks.pixels[is_chosen],
+        places=marks.places[is_chosen],
+        groups=groups,
     )
 
 
@@ -401,35 +437,53 @@ def _with_deviations(
 ) -> CameraCalibration:
     """Return the calibration with the deviations of lengths and places, from draws of all parameters."""
     generator = np.random.default_rng(0)
-    low, high = marks.pixels.min(axis=0), marks.pixels.max(axis=0)
-    x, y = np.meshgrid(*np.linspace(low, high, N_GRID).T)
-    grid = np.column_stack((x.ravel(), y.ravel()))
+    grid = _grid_over(marks.pixels)
     expected = calibration.to_plane(grid)
-    is_known = np.isfinite(expected).all(axis=1)
+    is_known = _is_finite(expected)
     draws = generator.multivariate_normal(vector, covariance, size=N_DRAWS, method="svd")
     heights = generator.normal(
         calibration.plane_height, calibration.plane_height_deviation, size=N_DRAWS
     )
-    quarters = _quarters_of_grid()
     scales: list[float] = []
     remainders: list[float] = []
     for draw, height in zip(draws, heights, strict=True):
         places = locate(grid, plane_height=height, **model.unpack(draw))
-        usable: np.ndarray = np.asarray(is_known & np.isfinite(places).all(axis=1))
-        if np.count_nonzero(usable) < FEWEST_MARKS:
+        is_usable = is_known & _is_finite(places)
+        if np.count_nonzero(is_usable) < FEWEST_MARKS:
             continue
-        whole = compare_shapes(expected[usable], places[usable])
-        remainders.append(whole.remainder)
-        whole_quarters = [quarter for quarter in quarters if np.all(usable[quarter])]
-        if not whole_quarters:
-            scales.append(whole.scale)
-        for quarter in whole_quarters:
-            scales.append(compare_shapes(expected[quarter], places[quarter]).scale)
+        difference = compare_shapes(expected[is_usable], places[is_usable])
+        remainders.append(difference.remainder)
+        scales_of_quarters = _compare_quarters(expected, places, is_usable)
+        scales += scales_of_quarters or [difference.scale]
+    errors_of_scale = np.array(scales) - 1.0
     return replace(
         calibration,
-        scale_deviation=float(np.sqrt(np.mean((np.array(scales) - 1.0) ** 2))),
+        scale_deviation=float(np.sqrt(np.mean(errors_of_scale**2))),
         position_deviation=float(np.sqrt(np.mean(np.square(remainders)))),
     )
+
+
+def _is_finite(places: Places) -> Bool[np.ndarray, " n"]:
+    return np.all(np.isfinite(places), axis=1)
+
+
+def _grid_over(pixels: Pixels) -> Pixels:
+    """Return a grid over the part of the picture that holds the marks [px]."""
+    corners = (pixels.min(axis=0), pixels.max(axis=0))
+    columns, rows = np.linspace(*corners, N_GRID).T
+    x, y = np.meshgrid(columns, rows)
+    return np.column_stack((x.ravel(), y.ravel()))
+
+
+def _compare_quarters(
+    expected: Places, places: Places, is_usable: Bool[np.ndarray, " n_grid"]
+) -> list[float]:
+    """Return the scale of every quarter of the grid all of whose places are known."""
+    scales: list[float] = []
+    for quarter in _quarters_of_grid():
+        if np.all(is_usable[quarter]):
+            scales.append(compare_shapes(expected[quarter], places[quarter]).scale)
+    return scales
 
 
 def _quarters_of_grid() -> list[Int[np.ndarray, " n_quarter"]]:
@@ -437,7 +491,11 @@ def _quarters_of_grid() -> list[Int[np.ndarray, " n_quarter"]]:
     numbers = np.arange(N_GRID * N_GRID).reshape(N_GRID, N_GRID)
     half = N_GRID // 2
     sides = (slice(0, half), slice(half, N_GRID))
-    return [numbers[rows, columns].ravel() for rows in sides for columns in sides]
+    quarters: list[np.ndarray] = []
+    for rows in sides:
+        for columns in sides:
+            quarters.append(numbers[rows, columns].ravel())
+    return quarters
 
 
 class ShapeDifference(NamedTuple):
@@ -455,10 +513,17 @@ def compare_shapes(first: Places, second: Places) -> ShapeDifference:
         first: Places [m].
         second: The same places, by another measurement [m].
     """
-    numbers = (first - first.mean(axis=0)) @ np.array([1.0, 1.0j])
-    other_numbers = (second - second.mean(axis=0)) @ np.array([1.0, 1.0j])
-    factor = np.vdot(numbers, other_numbers) / np.vdot(numbers, numbers)
-    left = other_numbers - factor * numbers
+    first_shape = _centered_numbers(first)
+    second_shape = _centered_numbers(second)
+    # As complex numbers, turn and scale are one factor, found by least squares.
+    factor = np.vdot(first_shape, second_shape) / np.vdot(first_shape, first_shape)
+    remainders = np.abs(second_shape - factor * first_shape)
     return ShapeDifference(
-        scale=float(np.abs(factor)), remainder=float(np.sqrt(np.mean(np.abs(left) ** 2)))
+        scale=float(np.abs(factor)),
+        remainder=float(np.sqrt(np.mean(remainders**2))),
     )
+
+
+def _centered_numbers(places: Places) -> Complex[np.ndarray, " n"]:
+    """Return places as numbers x + i y, less their mean [m]."""
+    return (places - places.mean(axis=0)) @ np.array([1.0, 1.0j])
