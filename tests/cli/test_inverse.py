@@ -58,6 +58,8 @@ def test_a_file_of_deeplabcut_becomes_forces_with_a_page(film, table, tmp_path, 
     html = (page / "inverse.html").read_text()
     assert "95 % interval" in html
     assert (page / "forces.png").stat().st_size > 10_000
+    assert (page / "chain.png").stat().st_size > 10_000
+    assert "must lie on the points in every one" in html
     assert len((page / "links.csv").read_text().splitlines()) == 11
 
 

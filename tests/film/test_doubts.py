@@ -9,6 +9,7 @@ from point_films import film_of
 import laticauda as lc
 from laticauda.film.chain import build_eel, fit_chain, places_at
 from laticauda.film.forces import find_forces, invert_points, list_doubts, list_remarks, summarize
+from laticauda.film.tracking import follow_points
 from laticauda.robot import textbook_of
 
 GAIT = lc.eel_like(amplitude=0.5, frequency=12.0, phase_shift=0.65)
@@ -112,3 +113,11 @@ def test_progress_goes_from_the_fit_to_the_last_draw(film, eel):
 def test_a_speed_that_only_a_wrong_frame_rate_has_is_doubted(film, eel):
     forces = swim(film, eel, time=0.05 * film.points.time)
     assert any("is the film of 1200 frames per second?" in one for one in list_doubts(forces))
+
+
+def test_points_of_another_unit_make_no_trial(film, eel):
+    far = replace(film.points, position=100.0 * film.points.position)
+    with pytest.raises(
+        ValueError, match=r"points.*0.368 m apart along the body.*is the scale in m"
+    ):
+        follow_points(far, places_at(film.along), None, eel)

@@ -28,6 +28,7 @@ from laticauda.film.calibration import (
     CameraCalibration,
     Checkerboard,
     Marks,
+    RulerCalibration,
     Surface,
     calibrate_by_ruler,
     calibrate_camera,
@@ -238,11 +239,11 @@ class Camera(OfCamera):
         else:
             camera = self._calibrate_by_board()
         save_calibration(camera, self.output)
-        rows = [
-            *describe_residual(camera),
-            ("note", describe_certainty(camera)),
-            ("camera", self.output),
-        ]
+        rows = [*describe_residual(camera)]
+        if isinstance(camera, RulerCalibration):
+            width, height = (camera.metres_per_pixel * side for side in camera.image_size)
+            rows.append(("picture", f"{width:.3g} m wide and {height:.3g} m high in the plane"))
+        rows += [("note", describe_certainty(camera)), ("camera", self.output)]
         facts = {
             "output": self.output,
             "scale_deviation": camera.scale_deviation,

@@ -13,6 +13,7 @@ progress     shares of the parts in the whole work
 measured     films as measurements for `laticauda.identify`
 words        a filmed swim in words
 picture      its figure
+chain_picture  the chain over the points
 page         a page with its results
 """
 

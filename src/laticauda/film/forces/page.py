@@ -5,6 +5,7 @@ from functools import partial
 from pathlib import Path
 
 from laticauda.film.chain.result import SURE
+from laticauda.film.forces.chain_picture import draw_chain
 from laticauda.film.forces.doubts import list_doubts
 from laticauda.film.forces.estimates import SOURCES, Estimate
 from laticauda.film.forces.inverse import FilmForces
@@ -25,6 +26,11 @@ PAGE = "inverse.html"
 CAPTION = (
     "Forces of the water along the way on every link over a cycle, and their means; power of the joints; "
     "and the force left over, what the film's motion asks for beyond what the water does."
+)
+
+CHAIN_CAPTION = (
+    "The fitted chain over the tracked points in six frames: it must lie on the points in every one, "
+    "with its large end at the head."
 )
 
 
@@ -54,7 +60,7 @@ def write_page(forces: FilmForces, folder: str | Path, command: str = "") -> lis
             "links": [_link_row(i, figure) for i, figure in enumerate(forces.link_figures)],
             "points": _point_rows(forces),
         },
-        n_figures=1,
+        n_figures=2,
         figures=partial(_figures_of, forces),
         templates=partial(load_templates, "laticauda.film.forces"),
     )
@@ -65,6 +71,7 @@ def write_page(forces: FilmForces, folder: str | Path, command: str = "") -> lis
 
 
 def _figures_of(forces: FilmForces) -> Iterator[ReportFigure]:
+    yield ReportFigure(name="chain", caption=CHAIN_CAPTION, figure=draw_chain(forces))
     yield ReportFigure(name="forces", caption=CAPTION, figure=draw_forces(forces))
 
 

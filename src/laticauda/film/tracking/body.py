@@ -21,6 +21,12 @@ WORST_SIZE_ERROR = 0.15
 """Difference above which a height or a size is wrong [-]."""
 N_DRAWS = 32
 """Draws of a fit from which the deviation of the center of mass is found."""
+STRETCHED = 0.9
+"""Quantile of the distance of two neighbors that is taken for that on the straight body."""
+FARTHEST = 1.2
+"""Distance of points in the film by that on the body, at most [-]."""
+CLOSEST = 0.5
+"""The same at least, on a body that is bent between them [-]."""
 FEWEST_FRAMES = 5
 """Frames in which a body is seen at least."""
 
@@ -210,7 +216,25 @@ def follow_points(
         tracked = points_on_plane(points, calibration)
     elif calibration is not None:
         raise BadArgument("calibration", "must not be given: the points are in m already")
+    _check_lengths(tracked, places)
     return _fit(tracked, points, places, robot.planar(), calibration, list(tracked.notes))
+
+
+def _check_lengths(points: TrackedPoints, places: PointPlaces) -> None:
+    """Refuse points that are much farther apart than on the body, or much closer: in another unit or on another one."""
+    order = np.argsort(places.along)
+    steps = np.linalg.norm(np.diff(points.position[:, order], axis=1), axis=2)
+    is_known = np.isfinite(steps).any(axis=0)
+    on_body = float(np.sum(np.diff(places.along[order])[is_known]))
+    if on_body == 0.0:
+        return
+    in_film = float(np.sum(np.nanquantile(steps[:, is_known], STRETCHED, axis=0)))
+    if not CLOSEST <= in_film / on_body <= FARTHEST:
+        rule = f"must be {on_body:.3g} m apart along the body from the first to the last"
+        raise BadArgument(
+            "points",
+            f"{rule}, as --along (`places`) says, got {in_film:.3g} m; is the scale in m, and the body the right one?",
+        )
 
 
 # ---- one frame after the other -------------------------------------------------------------------

@@ -37,7 +37,14 @@ def draw_over_frames(track: BodyTrack, film: str | Path | None = None) -> Figure
     """
     chosen = _choose_frames(track)
     ends = _ends_in_picture(track)
-    low, high = _window(ends[np.isfinite(ends).all(axis=(1, 2))], track)
+    known_ends = ends[np.isfinite(ends).all(axis=(1, 2))]
+    low, high = _window(known_ends, track)
+    middle_of_panel = dict.fromkeys(chosen, 0.5 * (low + high))
+    if film is None:
+        # Without a film, nothing but the body is shown: each panel follows it.
+        size = _size_of_body(known_ends)
+        middle_of_panel = {frame: _middle(ends[frame]) for frame in chosen}
+        low, high = -0.5 * size, 0.5 * size
     pictures: dict[int, np.ndarray] = {}
     if film is not None:
         pictures = read_frames(film, [int(track.frame[i]) for i in chosen])
@@ -52,8 +59,9 @@ def draw_over_frames(track: BodyTrack, film: str | Path | None = None) -> Figure
         panel.axis("off")
     for panel, frame in zip(panels, chosen, strict=False):
         _draw_panel(panel, track, ends, frame, pictures.get(int(track.frame[frame])))
-        panel.set_xlim(low[0], high[0])
-        panel.set_ylim(low[1], high[1])
+        middle, half = middle_of_panel[frame], 0.5 * (high - low)
+        panel.set_xlim(middle[0] - half[0], middle[0] + half[0])
+        panel.set_ylim(middle[1] - half[1], middle[1] + half[1])
         if track.calibration is not None:
             panel.invert_yaxis()
         panel.set_aspect("equal")
@@ -123,6 +131,16 @@ def _window(
         edge = np.array(track.calibration.image_size, dtype=float) - 1.0
         low, high = np.clip(low, 0.0, edge), np.clip(high, 0.0, edge)
     return low, high
+
+
+def _middle(ends: Float[np.ndarray, "n_ends 2"]) -> Float[np.ndarray, " 2"]:
+    return 0.5 * (ends.min(axis=0) + ends.max(axis=0))
+
+
+def _size_of_body(ends: Float[np.ndarray, "n n_ends 2"]) -> Float[np.ndarray, " 2"]:
+    """Return width and height of a panel that holds the body in every frame, with a margin."""
+    size = np.max(ends.max(axis=1) - ends.min(axis=1), axis=0)
+    return (1.0 + 2.0 * MARGIN) * np.maximum(size, 0.4 * float(np.max(size)))
 
 
 def _draw_panel(
