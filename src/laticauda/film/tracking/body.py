@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -81,39 +82,64 @@ def poses_of_links(film: TagFilm, layout: TagLayout, calibration: Calibration) -
     Raises:
         ValueError: If no tag was found on a link.
     """
-    centers: list[np.ndarray] = []
-    angles: list[np.ndarray] = []
-    sizes: list[float] = []
-    links: list[int] = []
+    poses: list[_LinkPose] = []
     for tag in sorted(layout.links, key=lambda tag: tag.link):
         corners = film.corners_of(tag.number)
         if np.isnan(corners[:, 0, 0]).all():
             continue
-        places = calibration.to_plane(corners.reshape(-1, 2)).reshape(corners.shape)
-        along = 0.5 * (places[:, 1] - places[:, 0] + places[:, 2] - places[:, 3])
-        angle = np.arctan2(along[:, 1], along[:, 0]) - tag.angle
-        direction = np.stack((np.cos(angle), np.sin(angle)), axis=1)
-        left = np.stack((-direction[:, 1], direction[:, 0]), axis=1)
-        offset = tag.offset[0] * direction + tag.offset[1] * left
-        centers.append(places.mean(axis=1) - offset)
-        angles.append(unwrap_seen(angle))
-        sizes.append(float(np.nanmedian(np.linalg.norm(along, axis=1))) / layout.link_size)
-        links.append(tag.link)
-    if not links:
+        places = calibration.to_plane(corners.reshape(-1, 2))
+        poses.append(_pose_of_link(tag, places.reshape(corners.shape)))
+    if not poses:
         numbers = ", ".join(str(tag.number) for tag in layout.links)
         raise BadArgument("film", f"must show tags on the robot, {numbers}: none was found")
-    angle = np.stack(angles, axis=1)
-    # Neighbours are within half a turn of each other, where both are first seen.
-    for i in range(1, angle.shape[1]):
-        difference = np.nanmedian(angle[:, i] - angle[:, i - 1])
-        if np.isfinite(difference):
-            angle[:, i] -= 2.0 * np.pi * np.round(difference / (2.0 * np.pi))
+    angle = np.stack([pose.angle for pose in poses], axis=1)
+    size_ratios = [pose.tag_size / layout.link_size for pose in poses]
     return LinkPoses(
-        link=tuple(links),
-        center=np.stack(centers, axis=1),
-        angle=angle,
-        size_ratio=float(np.median(sizes)),
+        link=tuple(pose.link for pose in poses),
+        center=np.stack([pose.center for pose in poses], axis=1),
+        angle=_turn_to_neighbors(angle),
+        size_ratio=float(np.median(size_ratios)),
     )
+
+
+class _LinkPose(NamedTuple):
+    """What one tag says of its link."""
+
+    link: int
+    center: Float[np.ndarray, "n_frames 2"]
+    angle: Float[np.ndarray, " n_frames"]
+    tag_size: float
+    """Usual length of an edge of the tag as seen [m]."""
+
+
+def _pose_of_link(tag: LinkTag, corners: Float[np.ndarray, "n_frames 4 2"]) -> _LinkPose:
+    """Return the pose of a link from the corners of its tag, in OpenCV's order [m]."""
+    rear_left, front_left, front_right, rear_right = np.moveaxis(corners, 1, 0)
+    along = 0.5 * (front_left - rear_left + front_right - rear_right)
+    angle = np.arctan2(along[:, 1], along[:, 0]) - tag.angle
+    headward = np.stack((np.cos(angle), np.sin(angle)), axis=1)
+    leftward = np.stack((-headward[:, 1], headward[:, 0]), axis=1)
+    offset = tag.offset[0] * headward + tag.offset[1] * leftward
+    lengths = np.linalg.norm(along, axis=1)
+    return _LinkPose(
+        link=tag.link,
+        center=corners.mean(axis=1) - offset,
+        angle=unwrap_seen(angle),
+        tag_size=float(np.nanmedian(lengths)),
+    )
+
+
+def _turn_to_neighbors(
+    angle: Float[np.ndarray, "n_frames n_tags"],
+) -> Float[np.ndarray, "n_frames n_tags"]:
+    """Return angles less whole turns, so that each is usually within half a turn of that of the tag before."""
+    turned = angle.copy()
+    whole_turn = 2.0 * np.pi
+    for i in range(1, angle.shape[1]):
+        difference = np.nanmedian(turned[:, i] - turned[:, i - 1])
+        if np.isfinite(difference):
+            turned[:, i] -= whole_turn * np.round(difference / whole_turn)
+    return turned
 
 
 def unwrap_seen(angle: Float[np.ndarray, " n_frames"]) -> Float[np.ndarray, " n_frames"]:
@@ -157,10 +183,7 @@ def follow_tags(
     """
     chain = robot.planar()
     _check_size_of_film(film, calibration)
-    for tag in layout.links:
-        if tag.link >= chain.n_links:
-            rule = f"must be of links of {chain.name}, 0 to {chain.n_links - 1}"
-            raise BadArgument("tags", f"{rule}, got {tag.link}")
+    _check_links_exist(layout, chain)
     poses = poses_of_links(film, layout, calibration)
     notes = [
         describe_certainty(calibration),
@@ -168,24 +191,24 @@ def follow_tags(
         _describe_lost(film, layout),
     ]
     points = points_of_tags(film, layout, poses.link)
+    takes_frames_alone = takes_frames_alone or chain.n_links == 1
+    if not is_straight and not takes_frames_alone:
+        places = _places_of_tags(layout, poses.link, chain)
+        tracked = points_on_plane(points, calibration)
+        return _fit(tracked, points, places, chain, calibration, notes)
     if is_straight:
         angle = _mean_of_seen(poses.angle)
         link_angle = np.repeat(angle[:, np.newaxis], chain.n_links, axis=1)
         notes.append("The body is taken for straight.")
-    elif takes_frames_alone or chain.n_links == 1:
+    else:
         _check_all_tagged(poses.link, chain)
         link_angle = poses.angle
-    else:
-        tracked = points_on_plane(points, calibration)
-        return _fit(
-            tracked, points, _places_of_tags(layout, poses.link, chain), chain, calibration, notes
-        )
     _check_seen(link_angle)
     estimates = _estimate_centers(chain, poses, link_angle)
     return BodyTrack(
         robot=chain,
         time=film.time,
-        center_of_mass=np.stack([_mean_of_seen(estimates[..., axis]) for axis in (0, 1)], axis=1),
+        center_of_mass=_mean_center(estimates),
         link_angle=link_angle,
         frame=np.arange(film.time.size),
         points=points,
@@ -240,11 +263,26 @@ def _check_lengths(points: TrackedPoints, places: PointPlaces) -> None:
 # ---- one frame after the other -------------------------------------------------------------------
 
 
+def _check_links_exist(layout: TagLayout, chain: Robot) -> None:
+    for tag in layout.links:
+        if tag.link >= chain.n_links:
+            rule = f"must be of links of {chain.name}, 0 to {chain.n_links - 1}"
+            raise BadArgument("tags", f"{rule}, got {tag.link}")
+
+
 def _check_all_tagged(links: Sequence[int], chain: Robot) -> None:
     missing = [str(link) for link in range(chain.n_links) if link not in links]
     if missing:
         rule = "must show a tag on every link if frames are taken alone"
         raise BadArgument("film", f"{rule}; none was found on link {', '.join(missing)}")
+
+
+def _mean_center(
+    estimates: Float[np.ndarray, "n_frames n_tags 2"],
+) -> Float[np.ndarray, "n_frames 2"]:
+    """Return the mean over links that were seen; nan where none was [m]."""
+    means = [_mean_of_seen(estimates[..., axis]) for axis in (0, 1)]
+    return np.stack(means, axis=1)
 
 
 def _mean_of_seen(values: Float[np.ndarray, "n_frames n_tags"]) -> Float[np.ndarray, " n_frames"]:
@@ -260,9 +298,8 @@ def _estimate_centers(
     """Return what every link that was seen says of the center of mass [m]."""
     estimates: list[np.ndarray] = []
     for i, link in enumerate(poses.link):
-        estimates.append(
-            kinematics.center_of_mass(chain, poses.center[:, i], link_angle, link=link)
-        )
+        place = poses.center[:, i]
+        estimates.append(kinematics.center_of_mass(chain, place, link_angle, link=link))
     return np.stack(estimates, axis=1)
 
 
@@ -271,12 +308,13 @@ def _deviation_of_means(estimates: Float[np.ndarray, "n_frames n_tags 2"]) -> fl
     n_tags = estimates.shape[1]
     if n_tags < 2:
         return float("nan")
+    mean = _mean_center(estimates)
+    from_mean = estimates - mean[:, np.newaxis]
     # What a link always says differently is no noise: its tag is not where it should be.
-    mean = np.stack([_mean_of_seen(estimates[..., axis]) for axis in (0, 1)], axis=1)
-    scatter = estimates - mean[:, np.newaxis]
-    scatter = scatter - np.nanmedian(scatter, axis=0, keepdims=True)
-    size = float(np.nanmean(scatter**2))
-    return math.sqrt(size / (n_tags - 1.0))
+    usual = np.nanmedian(from_mean, axis=0, keepdims=True)
+    scatter = from_mean - usual
+    variance = float(np.nanmean(scatter**2))
+    return math.sqrt(variance / (n_tags - 1.0))
 
 
 def _check_seen(link_angle: Float[np.ndarray, "n_frames n_links"]) -> None:
@@ -309,13 +347,17 @@ def _check_sizes(size_ratio: float) -> list[str]:
 
 
 def _describe_lost(film: TagFilm, layout: TagLayout) -> str:
-    numbers = [
-        tag.number for tag in layout.links if not np.isnan(film.corners_of(tag.number)).all()
-    ]
-    never = [tag.number for tag in layout.links if tag.number not in numbers]
+    numbers: list[int] = []
+    lost_numbers: list[int] = []
+    for tag in layout.links:
+        is_lost = np.isnan(film.corners_of(tag.number)).all()
+        if is_lost:
+            lost_numbers.append(tag.number)
+        else:
+            numbers.append(tag.number)
     sentence = f"Tags on the robot were lost in {film.share_lost(numbers):.1%} of the frames."
-    if never:
-        sentence += f" Never found: {', '.join(map(str, never))}."
+    if lost_numbers:
+        sentence += f" Never found: {', '.join(map(str, lost_numbers))}."
     return sentence
 
 
@@ -336,9 +378,10 @@ def _fit(
     shift = draws.center_of_mass - motion.center_of_mass
     variance = float(np.mean(shift**2))
     link_angle = kinematics.link_angles(motion.joint_angle, angle=motion.heading)
+    millimeters = 1e3 * float(np.median(fit.noise))
     degrees = np.degrees(np.max(fit.joint_deviation, initial=0.0))
     notes.append(
-        f"A chain was fitted to all frames: noise {1e3 * float(np.median(fit.noise)):.2g} mm, joint "
+        f"A chain was fitted to all frames: noise {millimeters:.2g} mm, joint "
         f"angles to {degrees:.2g} deg (standard deviation), {fit.n_outliers} outliers."
     )
     return BodyTrack(
@@ -367,8 +410,9 @@ def points_of_tags(film: TagFilm, layout: TagLayout, links: Sequence[int]) -> Tr
     for link in links:
         tag = _tag_of(layout, link)
         corners = film.corners_of(tag.number)
-        names += [f"tag {tag.number} rear", f"tag {tag.number} front"]
+        names.append(f"tag {tag.number} rear")
         positions.append(0.5 * (corners[:, 0] + corners[:, 3]))
+        names.append(f"tag {tag.number} front")
         positions.append(0.5 * (corners[:, 1] + corners[:, 2]))
     position = np.stack(positions, axis=1)
     return TrackedPoints(
@@ -382,16 +426,19 @@ def points_of_tags(film: TagFilm, layout: TagLayout, links: Sequence[int]) -> Tr
 
 
 def _places_of_tags(layout: TagLayout, links: Sequence[int], chain: Robot) -> PointPlaces:
-    """Return where these points sit on the body."""
+    """Return where the points of `points_of_tags` sit on the body."""
     ends = np.cumsum([module.length for module in chain.modules])
+    half_size = 0.5 * layout.link_size
     along: list[float] = []
     left: list[float] = []
     for link in links:
         tag = _tag_of(layout, link)
-        middle = ends[link] - 0.5 * chain.modules[link].length + tag.offset[0]
-        for half in (-0.5 * layout.link_size, 0.5 * layout.link_size):
-            along.append(float(middle + half * np.cos(tag.angle)))
-            left.append(float(tag.offset[1] + half * np.sin(tag.angle)))
+        offset_along, offset_left = tag.offset
+        middle_of_link = ends[link] - 0.5 * chain.modules[link].length
+        middle_of_tag = middle_of_link + offset_along
+        for to_edge in (-half_size, half_size):  # rear, front
+            along.append(float(middle_of_tag + to_edge * np.cos(tag.angle)))
+            left.append(float(offset_left + to_edge * np.sin(tag.angle)))
     return places_at(along, left)
 
 
