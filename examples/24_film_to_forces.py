@@ -53,15 +53,22 @@ print(f"true power {true_power:.3g} W; places left out: {forces.fit.n_outliers}"
 
 figure, (curves, bars) = plt.subplots(1, 2, figsize=(9, 3.8), layout="constrained")
 shown = forces.fit.motion(forces.window.time)
+draws = np.degrees(forces.fit.draw(100, shown.time).joint_angle)
+low, high = np.percentile(draws, (2.5, 97.5), axis=0)
 for joint, color in ((0, "C0"), (4, "C1"), (8, "C2")):
     angle = np.degrees(shown.joint_angle[:, joint])
     curves.plot(shown.time, angle, color=color, label=f"joint {joint + 1}")
+    band = low[:, joint], high[:, joint]
+    curves.fill_between(shown.time, *band, color=color, alpha=0.25, linewidth=0)
     true = np.degrees(swim.joint_angle[filmed, joint])
     curves.plot(swim.time[filmed], true, "k:", linewidth=1)
 curves.set_xlim(*forces.window.time[[0, -1]])
 curves.set_xlabel("time [s]")
-curves.set_ylabel("joint angle [deg], dotted: true")
-curves.legend(loc="upper right")
+curves.set_ylabel("joint angle [deg]")
+curves.set_title("fit with its 95 % band; dotted: true", fontsize="medium")
+curves.legend(
+    loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=3, frameon=False
+)
 links = forces.link_figures
 median = np.array([one.median for one in links])
 reach = np.array([[one.median - one.low, one.high - one.median] for one in links]).T
@@ -69,4 +76,5 @@ bars.bar(np.arange(1, 11), 1e3 * median, yerr=1e3 * reach, color="C0")
 bars.axhline(0.0, color="gray", linewidth=0.8)
 bars.set_xlabel("link, from the tail")
 bars.set_ylabel("mean force along the way [mN]")
+bars.set_title("thrust above 0, drag below; 95 % intervals", fontsize="medium")
 figure.savefig("film_to_forces.png", dpi=150)
