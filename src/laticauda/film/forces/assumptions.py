@@ -14,7 +14,7 @@ from laticauda import scenarios
 from laticauda.identify import Fit
 from laticauda.models.simulate.numbers import change_parameters, value_of
 from laticauda.motion.gaits import JointAngles, recorded_gait
-from laticauda.robot import Robot, Water, textbook_water
+from laticauda.robot import Module, Robot, Water, textbook_water
 from laticauda.values import BadArgument
 
 Interval = tuple[float, float]
@@ -125,16 +125,16 @@ def draw_assumptions(
     centers = {name: value_of(name, scenario) for name in names}
     draws: list[Draw] = []
     for number in range(n_draws):
-        values = {
-            name: _value_at(positions[number, i], centers[name], assumptions.intervals[name])
-            for i, name in enumerate(names)
-        }
-        changed = change_parameters(scenario, values)
-        factors = np.exp(assumptions.body_deviation * body[number])
+        values: dict[str, float] = {}
+        for i, name in enumerate(names):
+            interval = assumptions.intervals[name]
+            values[name] = _value_at(positions[number, i], centers[name], interval)
+        drawn_water = _water_of(change_parameters(scenario, values))
         drawn_robot = robot
         if assumptions.body_deviation > 0.0:
+            factors = np.exp(assumptions.body_deviation * body[number])
             drawn_robot = _scale_body(robot, *factors.tolist())
-        draws.append(Draw(robot=drawn_robot, water=_water_of(changed)))
+        draws.append(Draw(robot=drawn_robot, water=drawn_water))
     return AssumptionDraws(
         draws=tuple(draws), water_numbers=positions, body_numbers=body, scale=scale
     )
@@ -163,16 +163,12 @@ def _water_of(scenario: scenarios.Scenario) -> Water:
 
 def _scale_body(robot: Robot, height: float, width: float) -> Robot:
     """Return a robot of other sections, but the same lengths and densities."""
-    modules = [
-        replace(
-            module,
-            mass=height * width * module.mass,
-            section=replace(
-                module.section,
-                half_height=height * module.section.half_height,
-                half_width=width * module.section.half_width,
-            ),
+    modules: list[Module] = []
+    for module in robot.modules:
+        section = replace(
+            module.section,
+            half_height=height * module.section.half_height,
+            half_width=width * module.section.half_width,
         )
-        for module in robot.modules
-    ]
+        modules.append(replace(module, mass=height * width * module.mass, section=section))
     return replace(robot, modules=tuple(modules))

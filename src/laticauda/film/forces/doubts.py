@@ -57,9 +57,11 @@ def _doubt_length(forces: FilmForces) -> str:
     stretch = measure_stretch(forces.fit)
     if abs(stretch - 1.0) < NOTED_STRETCH:
         return ""
-    way = "farther apart" if stretch > 1.0 else "closer together"
+    comparison = "closer together"
+    if stretch > 1.0:
+        comparison = "farther apart"
     return (
-        f"The points are {abs(stretch - 1.0):.0%} {way} than on a body of {forces.fit.robot.length:.3g} m: its "
+        f"The points are {abs(stretch - 1.0):.0%} {comparison} than on a body of {forces.fit.robot.length:.3g} m: its "
         "length, the scale of the film, or where the points sit is wrong. Speed has this error, and power, which "
         "goes with about the fifth power of length, five times as much. The intervals take scale, height and width as "
         f"known to {forces.assumptions.scale_deviation:.0%} (standard deviation), no more."

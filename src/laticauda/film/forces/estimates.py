@@ -64,7 +64,9 @@ def estimate(
     probabilities = [0.5 - 0.5 * CONFIDENCE, 0.5, 0.5 + 0.5 * CONFIDENCE]
     low, median, high = np.quantile(values[is_finite], probabilities, method="weibull")
     shares = _share_variance(
-        values[is_finite], assumed.water_numbers[is_finite], assumed.body_numbers[is_finite]
+        values[is_finite],
+        water=assumed.water_numbers[is_finite],
+        body=assumed.body_numbers[is_finite],
     )
     return Estimate(
         title=title,
@@ -83,22 +85,29 @@ def _share_variance(
 ) -> dict[str, float]:
     """Return the shares of the variance that are linear in the numbers of water and body; the rest is the film's."""
     centered = values - np.mean(values)
-    total = float(np.sum(centered**2))
-    if total == 0.0:
+    if _sum_of_squares(centered) == 0.0:
         return {"film": 1.0, "water": 0.0, "body": 0.0}
     numbers: np.ndarray = np.column_stack((water, body))
     numbers = numbers - np.mean(numbers, axis=0)
     inverse: np.ndarray = np.linalg.pinv(numbers)
     slopes: np.ndarray = inverse @ centered
-    of_water: np.ndarray = numbers[:, : water.shape[1]] @ slopes[: water.shape[1]]
-    of_body: np.ndarray = numbers[:, water.shape[1] :] @ slopes[water.shape[1] :]
+    n_water = water.shape[1]
+    n_body = body.shape[1]
+    of_water: np.ndarray = numbers[:, :n_water] @ slopes[:n_water]
+    of_body: np.ndarray = numbers[:, n_water:] @ slopes[n_water:]
     remainder: np.ndarray = centered - of_water - of_body
-    n_left = max(len(values) - 1 - numbers.shape[1], 1)
-    by_chance = float(np.sum(remainder**2)) / n_left
+    n_free = len(values) - 1
+    n_left = max(n_free - n_water - n_body, 1)
+    # A number without any effect explains this much on average.
+    by_chance = _sum_of_squares(remainder) / n_left
     sizes = {
-        "water": max(float(np.sum(of_water**2)) - water.shape[1] * by_chance, 0.0),
-        "body": max(float(np.sum(of_body**2)) - body.shape[1] * by_chance, 0.0),
-        "film": by_chance * (len(values) - 1),
+        "water": max(_sum_of_squares(of_water) - n_water * by_chance, 0.0),
+        "body": max(_sum_of_squares(of_body) - n_body * by_chance, 0.0),
+        "film": by_chance * n_free,
     }
-    whole = sum(sizes.values())
-    return {source: sizes[source] / whole for source in SOURCES}
+    total = sum(sizes.values())
+    return {source: sizes[source] / total for source in SOURCES}
+
+
+def _sum_of_squares(values: Float[np.ndarray, " n"]) -> float:
+    return float(np.sum(values**2))

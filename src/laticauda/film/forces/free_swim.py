@@ -8,7 +8,7 @@ from jaxtyping import Float
 from laticauda.film.chain import ChainMotion
 from laticauda.film.forces.assumptions import Draw
 from laticauda.film.forces.window import SAMPLES_PER_CYCLE, Window
-from laticauda.models.simulate import swim_many
+from laticauda.models.simulate import Swims, swim_many
 from laticauda.motion.gaits import JointAngles, recorded_gait
 from laticauda.scenarios import Start, limit_case
 
@@ -53,28 +53,31 @@ def swim_draws(
     n_swims = min(len(draws), n_swims)
     period = window.duration / window.n_cycles
     gaits = [recorded_gait(_repeat_cycle(motions[i], window)) for i in range(n_swims)]
-    settled, end = SETTLING_CYCLES * period, (SETTLING_CYCLES + COUNTED_CYCLES) * period
+    begin = SETTLING_CYCLES * period
+    end = (SETTLING_CYCLES + COUNTED_CYCLES) * period
+
+    def swim_until(duration: float) -> Swims:
+        return swim_many(
+            [draw.robot for draw in draws[:n_swims]],
+            gaits,
+            duration,
+            environments=[draw.water for draw in draws[:n_swims]],
+            starts=Start(velocity=speed),
+            dt=period / STEPS_PER_CYCLE,
+            sample_interval=period / 4.0,
+            threads=threads,
+        )
+
     # What is odd about a filmed swim is said of the film (`list_doubts`), not of its draws.
     with limit_case():
-        before, after = (
-            swim_many(
-                [draw.robot for draw in draws[:n_swims]],
-                gaits,
-                duration,
-                environments=[draw.water for draw in draws[:n_swims]],
-                starts=Start(velocity=speed),
-                dt=period / STEPS_PER_CYCLE,
-                sample_interval=period / 4.0,
-                threads=threads,
-            )
-            for duration in (settled, end)
-        )
-    moved = np.linalg.norm(after.center_of_mass - before.center_of_mass, axis=1)
-    work = after.mechanical_power * end - before.mechanical_power * settled
+        before = swim_until(begin)
+        after = swim_until(end)
+    distance = np.linalg.norm(after.center_of_mass - before.center_of_mass, axis=1)
+    work = after.mechanical_power * end - before.mechanical_power * begin
     unknown = np.full(len(draws) - n_swims, np.nan)
     return FreeSwims(
-        speed=np.append(moved / (end - settled), unknown),
-        power=np.append(work / (end - settled), unknown),
+        speed=np.append(distance / (end - begin), unknown),
+        power=np.append(work / (end - begin), unknown),
     )
 
 
@@ -89,6 +92,6 @@ def _repeat_cycle(motion: ChainMotion, window: Window) -> JointAngles:
     period = window.duration / window.n_cycles
     angle = growth[:, np.newaxis] * angle
     return JointAngles(
-        time=tuple(float(moment) for moment in period * time),
-        angle=tuple(tuple(float(radians) for radians in of_joint) for of_joint in angle.T),
+        time=tuple((period * time).tolist()),
+        angle=tuple(tuple(joint_angle.tolist()) for joint_angle in angle.T),
     )

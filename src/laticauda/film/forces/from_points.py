@@ -74,7 +74,7 @@ def invert_points(
     check_instance("points", points, TrackedPoints)
     check_instance("robot", robot, Robot)
     points, places = _place_points(points, robot, along)
-    report = ignore_progress if on_progress is None else on_progress
+    report = on_progress or ignore_progress
     fit = fit_chain(
         points, robot, places, seed=seed, on_progress=part_of_progress(report, 0.0, SHARE_OF_FIT)
     )
@@ -106,7 +106,9 @@ def _place_points(
         is_used = n_seen >= max(FEWEST_FRAMES, math.ceil(SMALLEST_SHARE * points.n_frames))
         used = _leave_out(points, is_used)
         return used, guess_places(used, robot)
-    places = along if isinstance(along, PointPlaces) else places_at(along)
+    places = along
+    if not isinstance(places, PointPlaces):
+        places = places_at(places)
     is_used = n_seen >= FEWEST_FRAMES
     if places.along.size != points.n_points:
         return points, places  # the fit refuses them

@@ -74,14 +74,19 @@ class FilmForces:
     @cached_property
     def course(self) -> Float[np.ndarray, "n_draws 2"]:
         """Direction of travel over the span in every draw."""
-        moved = self.motions.center_of_mass[:, -1] - self.motions.center_of_mass[:, 0]
-        return moved / np.linalg.norm(moved, axis=1, keepdims=True)
+        way = self._way
+        return way / np.linalg.norm(way, axis=1, keepdims=True)
 
     @cached_property
     def speed(self) -> Float[np.ndarray, " n_draws"]:
         """Distance over time of the center of mass in every draw, as the film shows it [m/s]."""
-        moved = self.motions.center_of_mass[:, -1] - self.motions.center_of_mass[:, 0]
-        return self.assumed.scale * np.linalg.norm(moved, axis=1) / self.window.duration
+        distance = self.assumed.scale * np.linalg.norm(self._way, axis=1)
+        return distance / self.window.duration
+
+    @property
+    def _way(self) -> Float[np.ndarray, "n_draws 2"]:
+        """From the first place of the center of mass to the last in every draw, in the film's scale [m]."""
+        return _way_of(self.motions)
 
     @cached_property
     def force_along(self) -> Float[np.ndarray, "n_draws n_times n_links"]:
@@ -106,10 +111,12 @@ class FilmForces:
     @cached_property
     def figures(self) -> Mapping[str, Estimate]:
         """All figures by name."""
-        power, speed = self._mean(self.loads.power), self.speed
+        speed = self.speed
+        power = self._mean(self.loads.power)
         weight = np.array([_displaced_weight(draw) for draw in self.assumed.draws])
         left_over = self._mean(self.left_over_along)
-        size = np.sqrt(self._mean(np.sum(self.loads.left_over[..., 1:] ** 2, axis=2)))
+        left_over_squares = np.sum(self.loads.left_over[..., 1:] ** 2, axis=2)
+        left_over_rms = np.sqrt(self._mean(left_over_squares))
         rows = {
             "speed": ("speed, from the film", "m/s", speed),
             "mechanical_power": ("mechanical power", "W", power),
@@ -119,22 +126,24 @@ class FilmForces:
             "cost_of_transport": ("cost of transport", "", power / (weight * speed)),
             "left_over": ("mean force left over", "N", left_over),
             "left_over_share": ("mean force left over, by thrust", "", self._by_thrust(left_over)),
-            "left_over_rms": ("force left over, rms", "N", size),
+            "left_over_rms": ("force left over, rms", "N", left_over_rms),
         }
         if self.swims is not None:
             rows["model_speed"] = ("speed that the model swims", "m/s", self.swims.speed)
             rows["model_power"] = ("power at that speed", "W", self.swims.power)
-        return {
-            name: estimate(title, unit, values, self.assumed)
-            for name, (title, unit, values) in rows.items()
-        }
+        figures: dict[str, Estimate] = {}
+        for name, (title, unit, values) in rows.items():
+            figures[name] = estimate(title, unit, values, self.assumed)
+        return figures
 
     @cached_property
     def link_figures(self) -> tuple[Estimate, ...]:
         """Mean force of the water on every link along the direction of travel, tail first."""
-        titles = (f"link {i + 1}" for i in range(self.fit.robot.n_links))
-        columns = zip(titles, self.mean_force_along.T, strict=True)
-        return tuple(estimate(title, "N", values, self.assumed) for title, values in columns)
+        figures: list[Estimate] = []
+        for link in range(self.fit.robot.n_links):
+            force = self.mean_force_along[:, link]
+            figures.append(estimate(f"link {link + 1}", "N", force, self.assumed))
+        return tuple(figures)
 
     @property
     def explains(self) -> bool:
@@ -195,11 +204,11 @@ def find_forces(
     _check_motion(fit)
     window = choose_window(fit, span)
     motions = fit.draw(n_draws, window.time, seed=seed)
-    moved = np.linalg.norm(motions.center_of_mass[:, -1] - motions.center_of_mass[:, 0], axis=1)
-    speed = float(np.median(moved)) / window.duration
+    distance = np.linalg.norm(_way_of(motions), axis=1)
+    speed = float(np.median(distance)) / window.duration
     assumptions = _assumptions_of(fit, water, speed, body_deviation, scale_deviation)
     assumed = draw_assumptions(fit.robot, assumptions, n_draws, seed + 1)
-    report = ignore_progress if on_progress is None else on_progress
+    report = on_progress or ignore_progress
     loads = evaluate_draws(
         motions,
         assumed.draws,
@@ -218,6 +227,11 @@ def find_forces(
         loads=loads,
         swims=swims,
     )
+
+
+def _way_of(motions: ChainMotion) -> Float[np.ndarray, "n_draws 2"]:
+    """Return the way from the first place of the center of mass to the last in every draw [m]."""
+    return motions.center_of_mass[:, -1] - motions.center_of_mass[:, 0]
 
 
 def _check_motion(fit: ChainFit) -> None:

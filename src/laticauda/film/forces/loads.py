@@ -62,8 +62,9 @@ def evaluate_draws(
     for i, draw in enumerate(draws):
         motion = motions[i]
         plant = PlanarPlant(robot=draw.robot, environment=draw.water, settings=Planar())
-        loads = evaluate_motion(plant, _given(motion, float(scale[i])))
-        link_force[i], torque[i] = loads.link_force, loads.joint_torque
+        loads = evaluate_motion(plant, _scale_motion(motion, float(scale[i])))
+        link_force[i] = loads.link_force
+        torque[i] = loads.joint_torque
         acceleration = float(scale[i]) * motion.accelerations[:, :2]
         left_over[i] = loads.left_over(acceleration, motion.accelerations[:, 2])
         on_progress((i + 1) / n_draws)
@@ -75,7 +76,8 @@ def evaluate_draws(
     )
 
 
-def _given(motion: ChainMotion, scale: float) -> GivenMotion:
+def _scale_motion(motion: ChainMotion, scale: float) -> GivenMotion:
+    """Return a motion whose path, but not its angles, is larger by a factor."""
     return GivenMotion(
         time=motion.time,
         center_of_mass=scale * motion.center_of_mass,

@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 import laticauda as lc
-from laticauda.film.chain import ChainFit
+from laticauda.film.chain import ChainFit, ChainMotion
 from laticauda.identify import Measurement
 from laticauda.robot import Water
 from laticauda.values import BadArgument, check_instance, check_whole_number
@@ -49,7 +49,8 @@ def measure_glide(
     check_instance("fit", fit, ChainFit)
     check_instance("water", water, Water)
     check_whole_number("n_moments", n_moments, 3, 200)
-    first, last = float(fit.model.time[0]), float(fit.model.time[-1])
+    first = float(fit.model.time[0])
+    last = float(fit.model.time[-1])
     begin, end = span or (first, last)
     if not first <= begin < end <= last:
         rule = f"must lie within the film, {first:.4g} to {last:.4g} s"
@@ -61,16 +62,9 @@ def measure_glide(
         rule = f"must be of a straight body, its joints within {np.degrees(LARGEST_BEND):.0f} deg (rms)"
         raise BadArgument("fit", f"{rule}, got {np.degrees(bend):.0f} deg")
     draws = fit.draw(N_DRAWS, time, seed=seed)
-    path_deviation = np.stack(
-        [_independent_deviation(draws.center_of_mass[..., axis]) for axis in (0, 1)], axis=1
-    )
-    velocity = motion.rates[0, :2]
-    ahead = np.array([np.cos(motion.heading[0]), np.sin(motion.heading[0])])
-    start = lc.Start(
-        center_of_mass=(float(motion.center_of_mass[0, 0]), float(motion.center_of_mass[0, 1])),
-        heading=float(motion.heading[0]),
-        velocity=float(velocity @ ahead),
-    )
+    deviations = [_independent_deviation(draws.center_of_mass[..., axis]) for axis in (0, 1)]
+    path_deviation = np.stack(deviations, axis=1)
+    start = _start_of(motion)
     still = lc.lateral_undulation(amplitude=0.0, frequency=1.0, phase_shift=0.0)
     scenario = lc.build_scenario(
         fit.robot, still, end - begin, environment=water, start=start, sample_interval=0.02
@@ -85,6 +79,15 @@ def measure_glide(
         },
         assumed="The noise is that of the fit of a chain to a film, with its covariance in time.",
     )
+
+
+def _start_of(motion: ChainMotion) -> lc.Start:
+    """Return place, heading and speed at the first moment."""
+    x, y = motion.center_of_mass[0]
+    heading = float(motion.heading[0])
+    ahead = np.array([np.cos(heading), np.sin(heading)])
+    speed = float(motion.rates[0, :2] @ ahead)
+    return lc.Start(center_of_mass=(float(x), float(y)), heading=heading, velocity=speed)
 
 
 def _independent_deviation(

@@ -24,18 +24,19 @@ def measure_stretch(fit: ChainFit) -> float:
     along = np.asarray(model.places.along)
     fitted = model.observed - fit.residuals
     order = np.argsort(along)
-    seen_total, true_total = 0.0, 0.0
+    observed_total = 0.0
+    true_total = 0.0
     for i, j in pairwise(order):
         distance = float(along[j] - along[i])
-        is_both = model.is_seen[:, i] & model.is_seen[:, j]
+        are_seen = model.is_seen[:, i] & model.is_seen[:, j]
         is_short = 0.0 < distance <= LONGEST_CHORD * fit.robot.length
-        if not is_short or not is_both.any():
+        if not is_short or not are_seen.any():
             continue
-        chords = np.abs(fitted[is_both, j] - fitted[is_both, i])
-        observed = np.abs(model.observed[is_both, j] - model.observed[is_both, i])
-        straight = chords >= np.quantile(chords, 1.0 - STRAIGHTEST)
-        seen_total += float(np.median(observed[straight]))
+        chords = np.abs(fitted[are_seen, j] - fitted[are_seen, i])
+        observed_chords = np.abs(model.observed[are_seen, j] - model.observed[are_seen, i])
+        is_straight = chords >= np.quantile(chords, 1.0 - STRAIGHTEST)
+        observed_total += float(np.median(observed_chords[is_straight]))
         true_total += distance
     if true_total == 0.0:
         return 1.0
-    return seen_total / true_total
+    return observed_total / true_total

@@ -60,7 +60,8 @@ class Window:
         Args:
             series: Values at `time`, the first axis.
         """
-        return series[:-1].reshape(self.n_cycles, SAMPLES_PER_CYCLE, *series.shape[1:]).mean(axis=0)
+        cycles = series[:-1].reshape(self.n_cycles, SAMPLES_PER_CYCLE, *series.shape[1:])
+        return cycles.mean(axis=0)
 
 
 def choose_window(fit: ChainFit, span: tuple[float, float] | None = None) -> Window:
@@ -73,7 +74,8 @@ def choose_window(fit: ChainFit, span: tuple[float, float] | None = None) -> Win
     Raises:
         ValueError: If the span is not within the film.
     """
-    first, last = float(fit.model.time[0]), float(fit.model.time[-1])
+    first = float(fit.model.time[0])
+    last = float(fit.model.time[-1])
     begin, end = span or (first, last)
     if not first <= begin < end <= last:
         rule = f"must go from a begin to a later end within the film, {first:.4g} to {last:.4g} s"
@@ -82,7 +84,8 @@ def choose_window(fit: ChainFit, span: tuple[float, float] | None = None) -> Win
         margin = END_SHARE * (last - first)
         return Window(begin=max(begin, first + margin), end=min(end, last - margin), n_cycles=0)
     margin = END_CYCLES / fit.frequency
-    begin, end = max(begin, first + margin), min(end, last - margin)
+    begin = max(begin, first + margin)
+    end = min(end, last - margin)
     n_cycles = min(math.floor((end - begin) * fit.frequency + 1e-6), MOST_CYCLES)
     if n_cycles < 1:
         period = 1.0 / fit.frequency
@@ -92,5 +95,6 @@ def choose_window(fit: ChainFit, span: tuple[float, float] | None = None) -> Win
         )
         asked_begin, asked_end = span or (first, last)
         raise BadArgument("span", f"{rule}, got {asked_end - asked_begin:.3g} s; film longer")
-    middle, half = 0.5 * (begin + end), 0.5 * n_cycles / fit.frequency
-    return Window(begin=middle - half, end=middle + half, n_cycles=n_cycles)
+    middle = 0.5 * (begin + end)
+    half_span = 0.5 * n_cycles / fit.frequency
+    return Window(begin=middle - half_span, end=middle + half_span, n_cycles=n_cycles)

@@ -20,7 +20,8 @@ def summarize(forces: FilmForces) -> str:
     Args:
         forces: The figures.
     """
-    speed, power = forces.figures["speed"], forces.figures["mechanical_power"]
+    speed = forces.figures["speed"]
+    power = forces.figures["mechanical_power"]
     fit = forces.fit
     return (
         f"{fit.robot.name} swims at {write_interval(speed)}; its joints deliver "
@@ -36,8 +37,10 @@ def write_interval(figure: Estimate) -> str:
     Args:
         figure: The figure.
     """
-    unit = f" {figure.unit}" if figure.unit else ""
-    return f"{figure.median:.3g}{unit} ({figure.low:.3g} to {figure.high:.3g})"
+    median = f"{figure.median:.3g}"
+    if figure.unit:
+        median += f" {figure.unit}"
+    return f"{median} ({figure.low:.3g} to {figure.high:.3g})"
 
 
 def list_remarks(forces: FilmForces) -> list[str]:
@@ -46,10 +49,11 @@ def list_remarks(forces: FilmForces) -> list[str]:
     Args:
         forces: The figures.
     """
-    fit, window = forces.fit, forces.window
+    fit = forces.fit
     n_frames, n_points = fit.membership.shape
     remarks = [_describe_window(forces)]
-    least, greatest = 1e3 * min(fit.noise), 1e3 * max(fit.noise)
+    least = 1e3 * min(fit.noise)
+    greatest = 1e3 * max(fit.noise)
     remarks.append(
         f"{n_points} points in {n_frames} frames; noise of {least:.2g} to {greatest:.2g} mm; "
         f"{fit.n_outliers} places belong elsewhere and do not count."
@@ -71,7 +75,7 @@ def list_remarks(forces: FilmForces) -> list[str]:
     remarks.append(_describe_water(forces))
     remarks += _describe_exact(forces)
     remarks.append(_describe_left_over(forces))
-    if window.n_cycles and forces.swims is not None:
+    if forces.window.n_cycles and forces.swims is not None:
         remarks.append(_describe_free_swim(forces))
     return remarks
 
@@ -110,7 +114,8 @@ def _describe_exact(forces: FilmForces) -> list[str]:
 
 
 def _describe_left_over(forces: FilmForces) -> str:
-    figure, share = forces.figures["left_over"], forces.figures["left_over_share"]
+    figure = forces.figures["left_over"]
+    share = forces.figures["left_over_share"]
     value = f"{figure.median:.3g} N ({figure.low:.3g} to {figure.high:.3g}), {share.median:.0%} of the thrust"
     if forces.explains:
         if share.high - share.low > WEAK_TEST:
@@ -128,7 +133,8 @@ def _describe_left_over(forces: FilmForces) -> str:
 
 
 def _describe_free_swim(forces: FilmForces) -> str:
-    measured, model = forces.figures["speed"], forces.figures["model_speed"]
+    measured = forces.figures["speed"]
+    model = forces.figures["model_speed"]
     agreement = "which holds"
     if not model.holds(measured.median):
         agreement = "which does not hold"
