@@ -135,13 +135,13 @@ def _check_jumps(points: TrackedPoints, length: float) -> None:
 
 
 def _median_distance(
-    here: Float[np.ndarray, "n n_points 2"], there: Float[np.ndarray, "n n_points 2"]
+    first: Float[np.ndarray, "n n_points 2"], second: Float[np.ndarray, "n n_points 2"]
 ) -> Float[np.ndarray, " n"]:
     """Return the median over points of their distances in each frame; nan where none is in both."""
-    distances = np.linalg.norm(here - there, axis=2)
+    distances = np.linalg.norm(first - second, axis=2)
     medians = np.full(len(distances), np.nan)
     for i, row in enumerate(distances):
-        known = row[np.isfinite(row)]
-        if known.size:
-            medians[i] = np.median(known)
+        known_distances = row[np.isfinite(row)]
+        if known_distances.size:
+            medians[i] = np.median(known_distances)
     return medians

@@ -123,14 +123,19 @@ def _window(
     ends: Float[np.ndarray, "n n_ends 2"], track: BodyTrack
 ) -> tuple[Float[np.ndarray, " 2"], Float[np.ndarray, " 2"]]:
     """Return the lower and upper limits of what is shown, the same in all panels."""
-    low, high = ends.min(axis=(0, 1)), ends.max(axis=(0, 1))
-    size = np.maximum(high - low, 0.5 * float(np.max(high - low)))
-    middle = 0.5 * (low + high)
-    low, high = middle - (0.5 + MARGIN) * size, middle + (0.5 + MARGIN) * size
-    if track.calibration is not None:
-        edge = np.array(track.calibration.image_size, dtype=float) - 1.0
-        low, high = np.clip(low, 0.0, edge), np.clip(high, 0.0, edge)
-    return low, high
+    lowest = ends.min(axis=(0, 1))
+    highest = ends.max(axis=(0, 1))
+    span = highest - lowest
+    # A straight body along an axis must not make a strip of the picture.
+    size = np.maximum(span, 0.5 * float(np.max(span)))
+    middle = 0.5 * (lowest + highest)
+    reach = (0.5 + MARGIN) * size
+    low = middle - reach
+    high = middle + reach
+    if track.calibration is None:
+        return low, high
+    edge = np.array(track.calibration.image_size, dtype=float) - 1.0
+    return np.clip(low, 0.0, edge), np.clip(high, 0.0, edge)
 
 
 def _middle(ends: Float[np.ndarray, "n_ends 2"]) -> Float[np.ndarray, " 2"]:
