@@ -1,15 +1,14 @@
 """A real animal: a sea lamprey, its midline tracked by others, its water that of tables, and nothing fitted to it."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 from laticauda.film import read_points
 from laticauda.film.chain import build_body, fit_chain
+from laticauda.film.example_films import FOLDER
 from laticauda.film.forces import find_forces, guess_places, list_remarks
 
-FILE = Path(__file__).parent.parent / "data" / "lamprey.csv"
+FILE = FOLDER / "lamprey.csv"
 WIDTH = [0.01, 0.035, 0.05, 0.057, 0.06, 0.06, 0.056, 0.045, 0.02]
 """Width by length, tail first: about that of a lamprey; the height is taken to be 1.15 times as much."""
 

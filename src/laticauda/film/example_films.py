@@ -1,7 +1,8 @@
-"""Two short films to try: a robot that swims, and glides, in a tank that was never built.
+"""What there is to try: two short films of a robot, and the points that others tracked on a lamprey.
 
-They are rendered, by `campaigns/example_films.py`, so that the truth is known: the coefficient of
-friction is 0.045.
+The films show a robot that swims, and glides, in a tank that was never built. They are rendered, by
+`campaigns/example_films.py`, so that the truth is known: the coefficient of friction is 0.045. The
+lamprey is a real one; its file says whose it is.
 """
 
 from pathlib import Path
@@ -9,12 +10,12 @@ from pathlib import Path
 from laticauda.values import files
 
 FOLDER = Path(__file__).parent / "example"
-NAMES = ("swim.mp4", "glide.mp4", "tags.toml")
+NAMES = ("swim.mp4", "glide.mp4", "tags.toml", "lamprey.csv")
 """What is in the folder."""
 
 
 def write_example(folder: str | Path = ".") -> tuple[Path, ...]:
-    """Write the films of the example, and the file of their tags, to a folder.
+    """Write the films of the example, the file of their tags, and the points of a lamprey to a folder.
 
     Args:
         folder: The folder, which must exist.
