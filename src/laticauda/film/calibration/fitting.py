@@ -467,7 +467,7 @@ def _is_finite(places: Places) -> Bool[np.ndarray, " n"]:
     return np.all(np.isfinite(places), axis=1)
 
 
-def _grid_over(pixels: Pixels) -> Pixels:
+def _grid_over(pixels: Pixels) -> Float[np.ndarray, "n_grid 2"]:
     """Return a grid over the part of the picture that holds the marks [px]."""
     corners = (pixels.min(axis=0), pixels.max(axis=0))
     columns, rows = np.linspace(*corners, N_GRID).T
