@@ -370,6 +370,17 @@ def test_the_dataset_of_trials_in_space_has_three_axes():
     assert swims.to_dataset().axis.values.tolist() == ["x", "y", "z"]
 
 
+def test_fins_with_the_state_of_an_edge_swim_beside_others_as_alone():
+    names = ("mamba-textbook", "mamba-identified", "mamba-textbook", "mamba-identified")
+    scenarios = [lc.build_scenario("mamba-fin", GAIT, 3.0, parameters=name) for name in names]
+    alone = [lc.swim(scenario).forward_velocity for scenario in scenarios]
+    assert scenarios[0].environment.trailing_edge == "finite-span"
+    assert scenarios[1].environment.trailing_edge == "none"
+    for order in ([0, 1, 2, 3], [1, 0, 3, 2]):
+        together = lc.swim_many([scenarios[i] for i in order]).forward_velocity
+        assert together == pytest.approx([alone[i] for i in order], rel=1e-12)
+
+
 @pytest.mark.parametrize(
     ("name", "instead"),
     [

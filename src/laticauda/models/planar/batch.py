@@ -216,6 +216,7 @@ def _kind(plant: PlanarPlant, interval: float, law_digest: str) -> object:
         layout.law.tobytes(),
         layout.tail_link,
         layout.has_extras,
+        layout.has_finite_span,
     )
     return shape, plant.steps_in(interval), law_digest
 

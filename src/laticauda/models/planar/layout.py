@@ -38,6 +38,11 @@ class Layout:
     """Whether any body has loads in addition to its own drag."""
 
     @property
+    def has_finite_span(self) -> bool:
+        """Whether a plate of finite span is at the tail: lanes side by side all have one, or none has."""
+        return bool(self.template[rows.EDGE_LAG] > 0.0)
+
+    @property
     def n_joints(self) -> int:
         """Number of joints, those of the fin included."""
         return self.n_bodies - 1
