@@ -12,6 +12,7 @@ from _program import recorded
 
 import laticauda as lc
 from laticauda.cli import main
+from laticauda.film import write_example
 from laticauda.robot.files import to_toml
 from laticauda.trials import Trial
 
@@ -97,6 +98,7 @@ def fill_pantry(folder: Path) -> None:
     (folder / "flow.toml").write_text(FLOW)
     source = Path(lc.__file__).parent / "robot" / "presets" / "parameters"
     shutil.copy(source / "mamba-identified.toml", folder / "parameters.toml")
+    write_example(folder)
 
 
 def fill_slow_pantry(folder: Path) -> None:

@@ -113,7 +113,7 @@ BAD = {
     "swim --resume a.nc --link-forces": "--link-forces must not be given with --resume",
     # words
     "swim --amplitud-deg 3": "--amplitude-deg deg",
-    "swim --trailing-egde none": "--trailing-edge {none,elongated}",
+    "swim --trailing-egde none": "--trailing-edge {none,elongated,finite-span}",
     "swim extra": "there is neither a robot nor a file 'extra'; `laticauda robots` lists them",
     "swimm": "there is no command `swimm`; did you mean `swim`?",
     "": "Try first:  laticauda swim mamba",

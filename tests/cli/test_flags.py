@@ -2,6 +2,7 @@ from dataclasses import fields, replace
 
 import pytest
 
+from laticauda.cli.flag_names import FLAG_NAMES
 from laticauda.cli.flags import (
     BadFlag,
     options_of,
@@ -12,8 +13,10 @@ from laticauda.cli.flags import (
     was_typed,
 )
 from laticauda.cli.identify import IdentificationTarget
+from laticauda.cli.studies import Optimize, Sweep
 from laticauda.cli.swim import ResumeSwim
 from laticauda.cli.trial import Show, View
+from laticauda.cli.vary import Study
 from laticauda.motion.gaits import Gait, Wave, lateral_undulation
 from laticauda.robot import Water, load_water
 from laticauda.scenarios import Start
@@ -170,3 +173,14 @@ def test_the_help_shows_what_a_preset_has(run):
         f"(default: {load_water('paper-eel').tangential_friction:g})"
         in run("swim --water paper-eel --help").out
     )
+
+
+def test_a_number_of_ones_own_that_is_called_like_an_option_of_studies_has_its_class_in_front():
+    @value_class
+    class Stiffened:
+        share: float = quantity("", "Of the body that is stiff", default=0.25)
+
+    (field,) = fields_of(Stiffened).values()
+    assert spell_option(field) == "--stiffened-share"
+    of_commands = set(fields_of(Sweep)) | set(fields_of(Optimize))
+    assert of_commands - set(fields_of(Study)) <= FLAG_NAMES.words_of_studies

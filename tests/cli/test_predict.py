@@ -119,6 +119,8 @@ def test_the_files_keep_what_predictions_need(out: Path):
         "water.normal_drag",
         "water.added_mass",
         "water.drag.beta",
+        "water.plate_drag",
+        "water.plate_added_mass",
     }
     assert kept["assumed"] == ["The table states no noise of its speeds: 5 % of each was assumed."]
     assert lc.load_parameters(out / "parameters.toml").fitted == ("water.tangential_friction",)

@@ -47,6 +47,8 @@ class FlagNames:
     """Options that give an argument of another name."""
     spelling: Mapping[str, str]
     """What the flags of some fields of nested values are called."""
+    words_of_studies: frozenset[str]
+    """Options of `sweep` and `optimize`: a number of that name in somebody's own law has its class in front."""
 
     def is_hidden(self, field: Field) -> bool:
         """Return whether a field has no flag although it could have one."""
@@ -65,9 +67,12 @@ class FlagNames:
     def name_flag(self, field: Field) -> str:
         """Return the name of a field's flag, with underscores: ``start_pitch_deg``."""
         name = field.name
-        if not issubclass(field.owner, Options):
+        owner: type[Any] = field.owner
+        if not issubclass(owner, Options):
             in_any_class = self.spelling.get(field.name, field.name)
             name = self.spelling.get(name_with_class(field), in_any_class)
+        if name in self.words_of_studies and is_of_somebody(owner):
+            name = f"{owner.__name__.lower()}_{name}"
         return name + field.display.ending
 
 
@@ -79,7 +84,17 @@ def _read_flag_names() -> FlagNames:
         hidden_numbers_of_waves=frozenset(table["hidden_numbers_of_waves"]),
         option_of_argument=table["option_of_argument"],
         spelling=table["spelling"],
+        words_of_studies=frozenset(table["words_of_studies"]),
     )
+
+
+def is_of_somebody(owner: type) -> bool:
+    """Return whether a class is not one of laticauda's own.
+
+    Args:
+        owner: The class.
+    """
+    return not owner.__module__.startswith("laticauda.")
 
 
 def name_with_class(field: Field) -> str:

@@ -176,21 +176,26 @@ def test_numbers_of_a_controller_are_columns_too_and_its_gait_stays_steered():
         np.testing.assert_allclose(swims.center_of_mass[i], trial.center_of_mass[-1], atol=1e-12)
 
 
-@value_class
-class Spring(JointLaw):
-    """A law of one's own: a spring to the reference, and a damper to its rate."""
+@pytest.fixture
+def spring_law():
+    """A law of one's own, known by its name during one test: a spring to the reference, and a damper to its rate."""
 
-    stiffness: float = quantity("N m/rad", "k", gt=0.0, default=30.0)
+    @value_class
+    class SweptSpring(JointLaw):
+        stiffness: float = quantity("N m/rad", "k", gt=0.0, default=30.0)
 
-    def __call__(self, angle, rate, reference, reference_rate, reference_acceleration, drive):
-        torque = self.stiffness * (reference - angle) + 3.0 * (reference_rate - rate)
-        return torque, self.stiffness, 3.0
+        def __call__(self, angle, rate, reference, reference_rate, reference_acceleration, drive):
+            torque = self.stiffness * (reference - angle) + 3.0 * (reference_rate - rate)
+            return torque, self.stiffness, 3.0
+
+    yield SweptSpring
+    del JointLaw._members["swept-spring"]
 
 
-def test_a_sweep_changes_the_numbers_of_a_joint_law():
-    scenario = lc.build_scenario("mamba", GAIT, 3.0, joints=Spring(stiffness=25.0))
+def test_a_sweep_changes_the_numbers_of_a_joint_law(spring_law):
+    scenario = lc.build_scenario("mamba", GAIT, 3.0, joints=spring_law(stiffness=25.0))
     table = np.array([[10.0], [60.0]])
     found = swim_points(scenario, ("joints.stiffness",), table)["mechanical_power"]
-    stiff = lc.build_scenario("mamba", GAIT, 3.0, joints=Spring(stiffness=60.0))
+    stiff = lc.build_scenario("mamba", GAIT, 3.0, joints=spring_law(stiffness=60.0))
     assert found[1] == pytest.approx(lc.swim(stiff).mechanical_power, rel=1e-12)
     assert found[0] != found[1]
