@@ -58,7 +58,9 @@ def _draw_forces_along(forces: FilmForces, ax: Axes) -> None:
         extent=(0.0, end, 0.5, n_links + 0.5),
     )
     style.style_axes(ax, xlabel=_time_label(forces), ylabel="link, from the tail")
-    bar = ax.figure.colorbar(image, ax=ax)
+    ticks = [-highest, 0.0, highest]
+    # Beside the panel, it would take its width from the panel below, too.
+    bar = ax.figure.colorbar(image, ax=ax, location="top", aspect=40, ticks=ticks, format="%.2g")
     bar.set_label("force along the way [N]", fontsize=style.LABEL, color=style.INK)
     bar.ax.tick_params(labelsize=style.TICK)
 
