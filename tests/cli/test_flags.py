@@ -20,6 +20,7 @@ from laticauda.cli.vary import Study
 from laticauda.motion.gaits import Gait, Wave, lateral_undulation
 from laticauda.robot import Water, load_water
 from laticauda.scenarios import Start
+from laticauda.values import Extensible
 from laticauda.values.quantities import fields_of, option, quantity, texts_of, value_class
 from laticauda.water.fluid.laws import PolynomialDrag
 
@@ -177,7 +178,7 @@ def test_the_help_shows_what_a_preset_has(run):
 
 def test_a_number_of_ones_own_that_is_called_like_an_option_of_studies_has_its_class_in_front():
     @value_class
-    class Stiffened:
+    class Stiffened(Extensible, group="test_stiffened"):
         share: float = quantity("", "Of the body that is stiff", default=0.25)
 
     (field,) = fields_of(Stiffened).values()

@@ -23,7 +23,7 @@ from typing import Any, ClassVar, cast
 import tyro
 
 from laticauda.cli.flag_types import InternalMark
-from laticauda.values import Field, fields_of, read_toml, texts_of
+from laticauda.values import Extensible, Field, fields_of, read_toml, texts_of
 
 
 class Options:
@@ -71,7 +71,7 @@ class FlagNames:
         if not issubclass(owner, Options):
             in_any_class = self.spelling.get(field.name, field.name)
             name = self.spelling.get(name_with_class(field), in_any_class)
-        if name in self.words_of_studies and is_of_somebody(owner):
+        if name in self.words_of_studies and is_law_of_somebody(owner):
             name = f"{owner.__name__.lower()}_{name}"
         return name + field.display.ending
 
@@ -88,13 +88,13 @@ def _read_flag_names() -> FlagNames:
     )
 
 
-def is_of_somebody(owner: type) -> bool:
-    """Return whether a class is not one of laticauda's own.
+def is_law_of_somebody(owner: type) -> bool:
+    """Return whether a class is a law, an envelope or the like that is not one of laticauda's own.
 
     Args:
         owner: The class.
     """
-    return not owner.__module__.startswith("laticauda.")
+    return issubclass(owner, Extensible) and not owner.__module__.startswith("laticauda.")
 
 
 def name_with_class(field: Field) -> str:
