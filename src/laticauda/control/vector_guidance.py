@@ -14,7 +14,7 @@ from jaxtyping import Bool, Float
 
 from laticauda.control.frames import PathFrame, PathFrames
 from laticauda.control.guidance import ROUNDING, Guidance, HeadingController
-from laticauda.scenarios import is_vectorized
+from laticauda.scenarios import vectorize_alike
 from laticauda.values import wrap_to_pi
 
 Numbers = Float[np.ndarray, " n"]
@@ -142,12 +142,10 @@ def vectorize_guidance(laws: Sequence[Guidance[Any]]) -> VectorGuidance:
     Args:
         laws: One for each robot.
     """
-    kind = type(laws[0])
-    if is_vectorized(kind, "init", "step"):
-        guidance = kind.vectorize(laws)
-        if guidance is not None:
-            return guidance
-    return GuidanceOneByOne(laws)
+    guidance = vectorize_alike(laws, "init", "step")
+    if guidance is None:
+        return GuidanceOneByOne(laws)
+    return guidance
 
 
 class HeadingControllers:

@@ -15,7 +15,7 @@ from laticauda.control.curve import nearest_of_many
 from laticauda.control.frames import Path, PathFrames, VectorPath
 from laticauda.control.paths import Circle, Polyline, Spline, StraightLine
 from laticauda.control.vector_guidance import apply
-from laticauda.scenarios import is_vectorized
+from laticauda.scenarios import vectorize_alike
 from laticauda.values import wrap_to_pi
 
 Numbers = Float[np.ndarray, " n"]
@@ -294,9 +294,7 @@ def vectorize_paths(paths: Sequence[Path[Any]]) -> VectorPath:
     Args:
         paths: One for each robot.
     """
-    kind = type(paths[0])
-    if is_vectorized(kind, "init", "locate"):
-        vector_path = kind.vectorize(paths)
-        if vector_path is not None:
-            return vector_path
-    return PathsOneByOne(paths)
+    vector_path = vectorize_alike(paths, "init", "locate")
+    if vector_path is None:
+        return PathsOneByOne(paths)
+    return vector_path

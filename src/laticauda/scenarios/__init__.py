@@ -66,7 +66,7 @@ if TYPE_CHECKING:
         Decisions as Decisions,
         OneByOne as OneByOne,
         check_decisions as check_decisions,
-        is_vectorized as is_vectorized,
+        vectorize_alike as vectorize_alike,
         kind_of_controller as kind_of_controller,
         vectorize as vectorize,
     )
@@ -167,7 +167,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "Decisions",
             "OneByOne",
             "check_decisions",
-            "is_vectorized",
+            "vectorize_alike",
             "kind_of_controller",
             "vectorize",
         ],

@@ -151,12 +151,24 @@ def vectorize(controllers: Sequence[Controller[Any]]) -> "VectorController | One
     Args:
         controllers: Controllers of the same class, one for each robot.
     """
-    kind = type(controllers[0])
-    if is_vectorized(kind, "init", "step"):
-        vector_controller = kind.vectorize(controllers)
-        if vector_controller is not None:
-            return vector_controller
-    return OneByOne(controllers)
+    vector_controller = vectorize_alike(controllers, "init", "step")
+    if vector_controller is None:
+        return OneByOne(controllers)
+    return vector_controller
+
+
+def vectorize_alike(parts: Sequence[Any], *methods: str) -> Any:
+    """Return what computes many controllers, paths or guidance laws of one class by arrays; None if nothing does.
+
+    Args:
+        parts: They, one for each robot.
+        methods: Names of the methods that `vectorize` stands for.
+    """
+    first: Any = parts[0]
+    kind: type[Any] = first.__class__
+    if not is_vectorized(kind, *methods):
+        return None
+    return kind.vectorize(parts)
 
 
 def is_vectorized(kind: type, *methods: str) -> bool:

@@ -23,13 +23,12 @@ import numpy as np
 
 from laticauda.models.simulate import silent
 from laticauda.studies import damage
-from laticauda.studies.folder import as_stored, check_same, owned, readable
+from laticauda.studies.folder import owned, readable
 from laticauda.studies.point_trials import QUANTITIES, Column, Progress
 from laticauda.studies.regions import Regions
-from laticauda.studies.store import Store, open_store
+from laticauda.studies.store import Store, check_definition, open_store
 from laticauda.studies.stored_sweep import (
     DEFINITION,
-    REGION_KEY,
     RESULTS,
     import_zarr,
     open_unread,
@@ -144,7 +143,7 @@ def _copy_share(folder: Path, store: Store, progress: Progress) -> None:
 
 
 def _find_shares(folder: str | Path) -> list[_StoredShare]:
-    """Return the shares beside a folder, in their order; refuse none, and divisions of several kinds."""
+    """Return the shares beside a folder, in their order; there must be one."""
     path = Path(folder)
     stored_shares: list[_StoredShare] = []
     for neighbour in path.parent.glob(f"{path.name}.share-*"):
@@ -187,11 +186,10 @@ def _read_share(folder: Path, store: Store) -> Iterator[tuple[int, dict[str, Col
 
 def _check_share(folder: Path, store: Store) -> None:
     """Refuse a share of another sweep, and one that was divided into other regions."""
-    regions = regions_of(folder)
+    # Refuses what is no sweep, and damaged files.
+    regions_of(folder)
     definition = read_definition(folder) or {}
-    del definition[REGION_KEY]
-    current = {**as_stored(store.sweep.definition()), "shape": list(store.sweep.points.shape)}
-    check_same(folder, "sweep", definition, current)
+    regions = check_definition(folder, store.sweep, definition)
     if regions != store.regions:
         raise BadArgument(
             "folder",

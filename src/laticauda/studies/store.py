@@ -149,10 +149,26 @@ def _claim(
         regions = sweep.regions(region_size)
         write(path / DEFINITION, _format_definition(definition, regions))
         return regions
-    regions = regions_of_definition(path, stored)
-    del stored[REGION_KEY]
-    check_same(path, "sweep", stored, {**definition, "shape": list(sweep.points.shape)})
-    return regions
+    return check_definition(path, sweep, stored)
+
+
+def check_definition(path: Path, sweep: Sweep, stored: Mapping[str, Any]) -> Regions:
+    """Return the regions of a stored sweep; refuse the definition of another one.
+
+    Args:
+        path: Its folder.
+        sweep: The sweep that it has to be.
+        stored: Its definition, as `read_definition` returns it.
+
+    Raises:
+        ValueError: If it differs; the message names the differences.
+    """
+    stored_sweep = dict(stored)
+    stored_sweep.pop(REGION_KEY, None)
+    current = as_stored(sweep.definition())
+    current["shape"] = list(sweep.points.shape)
+    check_same(path, "sweep", stored_sweep, current)
+    return regions_of_definition(path, stored)
 
 
 def _format_definition(definition: Mapping[str, Any], regions: Regions) -> str:

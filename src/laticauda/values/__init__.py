@@ -91,7 +91,7 @@ if TYPE_CHECKING:
         MOST_NUMBERS as MOST_NUMBERS,
         OfFunction as OfFunction,
     )
-    from laticauda.values.hdf5 import check_heaps as check_heaps
+    from laticauda.values.hdf5 import HDF5_SIGNATURE as HDF5_SIGNATURE, check_heaps as check_heaps
     from laticauda.values.interrupts import defer_interrupts as defer_interrupts
     from laticauda.values.optional import (
         load_mujoco as load_mujoco,
@@ -211,7 +211,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "write",
         ],
         "laticauda.values.formulas": ["Formula", "Law", "MOST_NUMBERS", "OfFunction"],
-        "laticauda.values.hdf5": ["check_heaps"],
+        "laticauda.values.hdf5": ["HDF5_SIGNATURE", "check_heaps"],
         "laticauda.values.interrupts": ["defer_interrupts"],
         "laticauda.values.optional": ["load_mujoco", "optional_import"],
         "laticauda.values.packaging": ["__version__", "lazy_exports", "renamed_names"],

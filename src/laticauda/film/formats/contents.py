@@ -17,10 +17,8 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.values import check_heaps, files, optional_import
+from laticauda.values import HDF5_SIGNATURE, check_heaps, files, optional_import
 
-HDF_SIGNATURE = b"\x89HDF\r\n\x1a\n"
-"""First bytes of a file of HDF5."""
 NUMPY_SIGNATURE = b"\x93NUMPY"
 """First bytes of an array that NumPy saved."""
 SAFE_GLOBALS = {
@@ -174,3 +172,12 @@ def begins_with(path: Path, signature: bytes) -> bool:
     """
     with path.open("rb") as file:
         return file.read(len(signature)) == signature
+
+
+def is_hdf(path: Path) -> bool:
+    """Return whether a file is one of HDF5.
+
+    Args:
+        path: The file.
+    """
+    return begins_with(path, HDF5_SIGNATURE)

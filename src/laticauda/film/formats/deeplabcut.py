@@ -66,7 +66,7 @@ class Deeplabcut(PointFormat):
     @staticmethod
     def recognizes(path: Path) -> bool:
         """Return whether the first cell is `scorer`, or an HDF5 file holds a frame of pandas; see `PointFormat`."""
-        if contents.begins_with(path, contents.HDF_SIGNATURE):
+        if contents.is_hdf(path):
             with contents.open_hdf(path) as file:
                 return _find_group(file) is not None
         return _first_cells(path)[:1] == ["scorer"]
@@ -74,7 +74,7 @@ class Deeplabcut(PointFormat):
     @staticmethod
     def read(path: Path) -> PointsFile:
         """Read the points in a file; see `PointFormat.read`."""
-        if contents.begins_with(path, contents.HDF_SIGNATURE):
+        if contents.is_hdf(path):
             frame = read_hdf_frame(path)
         else:
             frame = read_csv_frame(path)

@@ -45,7 +45,7 @@ class Points(PointFormat):
     @staticmethod
     def recognizes(path: Path) -> bool:
         """Return whether a column is named like `nose.x`; see `PointFormat`."""
-        if contents.begins_with(path, contents.HDF_SIGNATURE):
+        if contents.is_hdf(path):
             return False
         try:
             sheet = parse_sheet(files.read_bytes(path))

@@ -39,7 +39,7 @@ class Sleap(PointFormat):
     @staticmethod
     def recognizes(path: Path) -> bool:
         """Return whether there are `tracks` and names of nodes, or a column `frame_idx`; see `PointFormat`."""
-        if contents.begins_with(path, contents.HDF_SIGNATURE):
+        if contents.is_hdf(path):
             with contents.open_hdf(path) as file:
                 return "tracks" in file or "pred_points" in file
         with path.open("rb") as file:
@@ -49,7 +49,7 @@ class Sleap(PointFormat):
     @staticmethod
     def read(path: Path) -> PointsFile:
         """Read the points in a file; see `PointFormat.read`."""
-        if contents.begins_with(path, contents.HDF_SIGNATURE):
+        if contents.is_hdf(path):
             return read_hdf(path)
         return read_csv(path)
 

@@ -52,7 +52,7 @@ class Trex(PointFormat):
         if path.suffix.lower() == ".npz":
             names = contents.read_archive(path).keys()
             return "midline_points" in names or any(_is_own(name) for name in names)
-        if contents.begins_with(path, contents.HDF_SIGNATURE):
+        if contents.is_hdf(path):
             return False
         with path.open("rb") as file:
             line = file.readline(1 << 16).decode("utf-8-sig", errors="replace")
