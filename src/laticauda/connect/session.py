@@ -18,6 +18,7 @@ from laticauda.connect.world import World, change_world, check_work, create_worl
 from laticauda.models import simulate
 from laticauda.robot import Current, Robot, Water
 from laticauda.values import (
+    REQUESTED_SERIES,
     SERIES,
     BadArgument,
     InfeasibleWarning,
@@ -148,7 +149,8 @@ class Session:
         with self._budget.lock_for(n_values), warnings.catch_warnings():
             # A warning would reach the server's terminal, not the client.
             warnings.simplefilter("ignore", InfeasibleWarning)
-            trial = simulate.swim(scenario)
+            has_loads = any(name in REQUESTED_SERIES for name in names)
+            trial = simulate.swim(scenario, link_forces=has_loads)
         results: dict[str, Any] = {"figures": trial.summary()}
         if names:
             all_values = {name: getattr(trial, name) for name in names}

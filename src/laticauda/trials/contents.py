@@ -16,7 +16,7 @@ from laticauda.values import BadArgument, check_flag, check_instance, check_text
 REACHED_END = "The run reached its end."
 """Status of a run that succeeded."""
 FORCE_COMPONENTS = ("drag", "added_mass", "effector")
-_NEEDED = ("time", "center_of_mass", "center_of_mass_velocity", "electrical_work")
+_NEEDED = ("time", "center_of_mass", "center_of_mass_velocity", *series.OPTIONAL_SERIES)
 NOT_NEEDED = tuple(name for name in series.SERIES if name not in _NEEDED)
 """Arrays that a measured trial may lack; the position of the robot is in every trial."""
 
@@ -35,6 +35,7 @@ def shapes_of(robot: Robot, n_samples: int, n_axes: int) -> dict[str, tuple[int,
         "axis": n_axes,
         "link": chain.n_links,
         "joint": chain.n_links - 1,
+        "direction": len(series.DIRECTIONS),
         "3": 3,
     }
     shapes: dict[str, tuple[int, ...]] = {}

@@ -21,7 +21,10 @@ from laticauda import scenarios
 from laticauda.trials.arrays import AnyArray
 from laticauda.trials.contents import Contents
 from laticauda.values import (
+    DIRECTIONS,
     LINK_FORCE,
+    OPTIONAL_SERIES,
+    REQUESTED_SERIES,
     SERIES,
     SIGNAL,
     BadArgument,
@@ -45,13 +48,16 @@ INDEX = {
     "link": "number of the link, 0 is the tail",
     "joint": "number of the joint, tail first",
     "axis": "world axis",
+    "direction": "axis of the link: along it to the head, to its left, up",
 }
 """Meaning of the values of every dimension except time."""
 TEXTS = ("version", "created", "status")
 """Fields of a trial that are stored as attributes of the same name."""
 
 ELECTRICAL = "electrical_work"
-PLAIN = tuple(name for name in SERIES if name not in ("work", ELECTRICAL))
+HAS_LOADS = "has_loads"
+"""Attribute of a trial with `REQUESTED_SERIES`; others lack it."""
+PLAIN = tuple(name for name in SERIES if name not in ("work", *OPTIONAL_SERIES))
 """Time series stored as single arrays, exactly as in `Trial`."""
 WORK = {
     "work_absolute": "mechanical work of the joints, sum of |u phi'|",
@@ -157,6 +163,8 @@ def to_dataset(trial: Contents) -> "xarray.Dataset":
         "joint": np.arange(trial.joint_angle.shape[1], dtype=np.int32),
         "axis": np.array(AXES[:n_axes], dtype=object),
     }
+    if trial.water_force is not None:
+        index["direction"] = np.array(DIRECTIONS, dtype=object)
     coordinates = {
         name: (name, values, {"long_name": INDEX[name]}) for name, values in index.items()
     }
@@ -196,6 +204,8 @@ def _names(attributes: Mapping[str, Any]) -> list[str]:
     names = [*PLAIN, *WORK]
     if attributes["has_electrical_work"]:
         names.append(ELECTRICAL)
+    if HAS_LOADS in attributes:
+        names += REQUESTED_SERIES
     names += [LINK_FORCE + name for name in json.loads(attributes["link_force"]) or ()]
     names += [SIGNAL + name for name in json.loads(attributes["signals"])]
     return names
@@ -264,6 +274,7 @@ def pack_array(values: AnyArray) -> dict[str, Any]:
 
 def _attributes(trial: Contents) -> dict[str, str | int]:
     """Return everything in a trial that is not a time series, as texts and numbers."""
+    loads = {} if trial.water_force is None else {HAS_LOADS: 1}
     return {
         MARK: FORMAT,
         "Conventions": "CF-1.11",
@@ -275,6 +286,7 @@ def _attributes(trial: Contents) -> dict[str, str | int]:
         "scenario": scenarios.run_to_toml(trial.scenario),
         "has_electrical_work": int(trial.electrical_work is not None),
         "link_force": json.dumps(None if trial.link_force is None else list(trial.link_force)),
+        **loads,
         "signals": json.dumps(list(trial.signals)),
         "not_measured": json.dumps(trial.not_measured),
         "state": json.dumps({name: pack_array(values) for name, values in trial.state.items()}),

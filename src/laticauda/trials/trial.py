@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self, overload
 
 import numpy as np
 
-from laticauda.trials import contents, cycles, edge, metrics, moving_water
+from laticauda.trials import contents, cycles, edge, metrics, moving_water, side_pressure
 from laticauda.trials.dataset import fields_of, save, to_dataset
 from laticauda.trials.feasibility import Feasibility, judge_feasibility, make_peak_figure
 from laticauda.values import BadArgument, RunFailed, Suggesting, display_unit, html_table
@@ -230,6 +230,15 @@ class Trial(Suggesting, contents.Contents):
     def feasibility(self) -> Feasibility:
         """What the run demands of joints and actuators, what they offer, and why the robot cannot do it, if so."""
         return judge_feasibility(self.chain, self, self.period)
+
+    @cached_property
+    def pressure_difference(self) -> side_pressure.OfLinks:
+        """Mean pressure on the right side of every link less that on its left, with `link_forces` only [Pa].
+
+        It is the water's force across the link over the area of a side: drag and added mass, the
+        fin's with the tail link's.
+        """
+        return side_pressure.pressure_difference(self)
 
     @property
     def mean_power_kind(self) -> Literal["mechanical", "electrical"]:

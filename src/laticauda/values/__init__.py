@@ -132,8 +132,11 @@ if TYPE_CHECKING:
     )
     from laticauda.values.tables.opening import read_columns as read_columns, read_rows as read_rows
     from laticauda.values.series import (
+        DIRECTIONS as DIRECTIONS,
+        REQUESTED_SERIES as REQUESTED_SERIES,
         LINK_FORCE as LINK_FORCE,
         Log as Log,
+        OPTIONAL_SERIES as OPTIONAL_SERIES,
         SERIES as SERIES,
         SIGNAL as SIGNAL,
         Series as Series,
@@ -245,8 +248,11 @@ __getattr__, __dir__, __all__ = lazy_exports(
         ],
         "laticauda.values.tables.opening": ["read_columns", "read_rows"],
         "laticauda.values.series": [
+            "DIRECTIONS",
+            "REQUESTED_SERIES",
             "LINK_FORCE",
             "Log",
+            "OPTIONAL_SERIES",
             "SERIES",
             "SIGNAL",
             "Series",

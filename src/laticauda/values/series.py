@@ -14,6 +14,8 @@ Samples: TypeAlias = Float[np.ndarray, " *time"]
 Places: TypeAlias = Float[np.ndarray, "*time axis"]
 Links: TypeAlias = Float[np.ndarray, "*time link"]
 Joints: TypeAlias = Float[np.ndarray, "*time joint"]
+JointVectors: TypeAlias = Float[np.ndarray, "*time joint direction"]
+LinkVectors: TypeAlias = Float[np.ndarray, "*time link direction"]
 Work: TypeAlias = Float[np.ndarray, "*time 3"]
 LINK_FORCE = "link_force_"
 SIGNAL = "signal_"
@@ -68,6 +70,22 @@ class Log:
     electrical_work: Annotated[
         Samples | None,
         Series("J", "electrical work of the robot above idle, by a model or a meter"),
+    ] = None
+    joint_force: Annotated[
+        JointVectors | None,
+        Series(
+            "N",
+            "force of the part on the joint's tail side on the part on its head side: along, left "
+            "and up, axes of the link on the tail side",
+        ),
+    ] = None
+    joint_moment: Annotated[
+        JointVectors | None,
+        Series("N m", "moment of the same part on the other one about the joint, same axes"),
+    ] = None
+    water_force: Annotated[
+        LinkVectors | None,
+        Series("N", "force of the water on each link, fin included: along, left and up, its axes"),
     ] = None
     link_force: Mapping[str, Float[np.ndarray, "*time link axis"]] | None = None
     """Force on each link by component (drag, added_mass, effector), world axes; None if not requested [N]."""
@@ -130,6 +148,12 @@ def _series(hint: Any) -> Series:
 _HINTS = get_type_hints(Log, include_extras=True)
 SERIES = {name: _series(hint) for name, hint in _HINTS.items() if get_origin(hint) is Annotated}
 """Series of a log that are single arrays."""
+REQUESTED_SERIES = ("joint_force", "joint_moment", "water_force")
+"""Series that are logged on request only, together with the forces on the links."""
+OPTIONAL_SERIES = ("electrical_work", *REQUESTED_SERIES)
+"""Series that a log may lack."""
+DIRECTIONS = ("along", "left", "up")
+"""Axes of a link: along it to the head, to its left, up."""
 
 
 def log_of(series: Mapping[str, np.ndarray]) -> Log:

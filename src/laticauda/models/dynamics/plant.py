@@ -10,6 +10,7 @@ from typing import ClassVar, Generic, TypeVar, cast
 import numpy as np
 
 from laticauda.models.dynamics.joint_table import DRIVE, ENVELOPE, MOTOR, STALL_POWER, has_hinges
+from laticauda.models.dynamics.sampled_loads import FORCES, SampledLoads, join_loads
 from laticauda.models.dynamics.samples import (
     Advance,
     March,
@@ -18,7 +19,6 @@ from laticauda.models.dynamics.samples import (
     Stretch,
     check_size,
     count_samples,
-    join_forces,
     join_samples,
 )
 from laticauda.motion.gaits import WaveState, WaveTarget, first_state
@@ -33,7 +33,7 @@ from laticauda.scenarios import (
     check_waves,
     fin_signals,
 )
-from laticauda.values import BadArgument, Log, check_instance, check_positive
+from laticauda.values import REQUESTED_SERIES, BadArgument, Log, check_instance, check_positive
 
 ModelType = TypeVar("ModelType", bound=Model)
 Waves = tuple[WaveState, WaveState, WaveState]
@@ -151,7 +151,7 @@ class Plant(ABC, Generic[ModelType]):
             duration: Duration [s].
             sample_interval: Time between two samples of the log [s]; adjusted so that it divides
                 the duration.
-            link_forces: Whether to log the force on every link too.
+            link_forces: Whether to log the force on every link, and what every joint carries, too.
 
         Returns:
             The state after `duration` [s], the samples including both ends, and a sentence that
@@ -186,7 +186,7 @@ class Plant(ABC, Generic[ModelType]):
             duration: Duration [s].
             sample_interval: Time between two samples of the log [s]; adjusted so that it divides
                 the duration.
-            link_forces: Whether to keep the force on every link too.
+            link_forces: Whether to keep the force on every link, and what every joint carries, too.
         """
         n_intervals = max(1, round(duration / sample_interval))
         every = self.steps_in(duration / n_intervals)
@@ -202,12 +202,12 @@ class Plant(ABC, Generic[ModelType]):
                 stretch=Stretch(samples, command),
                 failure=self.describe_divergence(time),
             )
-        force = None
+        loads = None
         if link_forces:
-            force = self._link_forces(state, command, samples, every, dt)
+            loads = self._compute_loads(state, command, samples, every, dt)
         return Advance(
             state=self._state_after(state, command, end),
-            stretch=Stretch(samples, command, force),
+            stretch=Stretch(samples, command, loads),
             failure=None,
         )
 
@@ -281,10 +281,10 @@ class Plant(ABC, Generic[ModelType]):
         """Return the samples by quantity."""
 
     @abstractmethod
-    def _link_forces(
+    def _compute_loads(
         self, state: PlantState, command: Command, samples: np.ndarray, every: int, dt: float
-    ) -> np.ndarray:
-        """Return the force on every link at the samples of a march: component, time, link, axis."""
+    ) -> SampledLoads:
+        """Return the force on every link, and what every joint carries, at the samples of a march."""
 
     def log(self, stretches: Sequence[Stretch]) -> Log:
         """Return the log of consecutive stretches.
@@ -293,7 +293,12 @@ class Plant(ABC, Generic[ModelType]):
             stretches: Consecutive stretches; each begins with the last sample of the previous one.
         """
         samples = self._samples(join_samples(stretches))
-        forces = {**join_forces(stretches), **(samples.link_force or {})}
+        loads = join_loads(stretch.loads for stretch in stretches)
+        forces = dict(samples.link_force or {})
+        of_request: dict[str, np.ndarray] = {}
+        if loads is not None:
+            forces = {**dict(zip(FORCES, loads.link_force, strict=True)), **forces}
+            of_request = {name: getattr(loads, name) for name in REQUESTED_SERIES}
         electrical_work = None
         if has_power_model(self.robot, self.joints):
             electrical_work = samples.work[:, 3]
@@ -303,6 +308,7 @@ class Plant(ABC, Generic[ModelType]):
             joint_torque=samples.torque,
             work=samples.work[:, :3],
             electrical_work=electrical_work,
+            **of_request,
             link_force=forces or None,
             signals={
                 **samples.signals,

@@ -7,11 +7,10 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
+from laticauda.models.dynamics.sampled_loads import SampledLoads
 from laticauda.scenarios import Command
 from laticauda.values import BadArgument, Log
 
-FORCES = ("drag", "added_mass", "effector")
-"""Kinds of forces on a link, in the order of the first axis of an array of them."""
 MOST_SAMPLES = 2_000_000
 """Largest number of samples; a longer log would take gigabytes."""
 
@@ -51,15 +50,15 @@ class Stretch(NamedTuple):
     """Samples as the kernels logged them; the first axis is time."""
     command: Command
     """Command, held throughout."""
-    force: np.ndarray | None = None
-    """Force on every link, if requested: component, time, link, axis [N]."""
+    loads: SampledLoads | None = None
+    """Loads at the samples, if requested."""
 
     def at(self, index: slice) -> "Stretch":
         """Return the stretch with a slice of its samples."""
-        force = None
-        if self.force is not None:
-            force = self.force[:, index]
-        return Stretch(samples=self.samples[index], command=self.command, force=force)
+        loads = None
+        if self.loads is not None:
+            loads = self.loads.at(index)
+        return Stretch(samples=self.samples[index], command=self.command, loads=loads)
 
 
 class Advance(NamedTuple):
@@ -92,18 +91,6 @@ def join_samples(stretches: Sequence[Stretch]) -> np.ndarray:
     if len(samples) == 1:
         return samples[0]
     return np.concatenate(samples)
-
-
-def join_forces(stretches: Sequence[Stretch]) -> dict[str, np.ndarray]:
-    """Return the forces on every link by kind, as `join_samples` does; empty unless all stretches have them [N]."""
-    forces: list[np.ndarray] = []
-    for stretch in stretches:
-        if stretch.force is None:
-            return {}
-        begin = 1 if forces else 0
-        forces.append(stretch.force[:, begin:])
-    by_kind: np.ndarray = np.concatenate(forces, axis=1)
-    return dict(zip(FORCES, by_kind, strict=True))
 
 
 def count_samples(stretches: Sequence[Stretch]) -> list[int]:

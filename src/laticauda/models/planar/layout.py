@@ -62,6 +62,15 @@ class Layout:
         """Rows that make up a state vector."""
         return sample_format.rows_of_state(self.n_joints)
 
+    def bodies_of(self, S: Float[np.ndarray, " rows"]) -> Float[np.ndarray, "n_bodies n_rows"]:
+        """Return a view of the records of all bodies, one per row.
+
+        Args:
+            S: All rows of one lane.
+        """
+        end = rows.HEADER_ROWS + self.n_bodies * rows.BODY_ROWS
+        return S[rows.HEADER_ROWS : end].reshape(-1, rows.BODY_ROWS)
+
     @cached_property
     def chain(self) -> tuple[object, ...]:
         """Shape of the chain, as the kernels take it."""

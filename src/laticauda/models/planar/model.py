@@ -11,8 +11,10 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from laticauda.models.dynamics.plant import Plant
+from laticauda.models.dynamics.sampled_loads import SampledLoads
 from laticauda.models.dynamics.samples import PlantState, Samples
 from laticauda.models.planar import kernel_library, rows, sample_format
+from laticauda.models.planar.internal_loads import compute_loads
 from laticauda.models.planar.layout import Layout, build_layout, flow_rows, write_effectors
 from laticauda.models.planar.sample_format import column_of, columns_of_joints
 from laticauda.motion import gaits
@@ -221,7 +223,7 @@ class PlanarPlant(Plant[Planar]):
             without_flow = S[: S.size - self.flow.numbers.size]
             write_effectors(without_flow, robot, self.environment, first_link=layout.tail_link)
         if command.references is not None or command.enabled is not None:
-            bodies = self._bodies_of(S)
+            bodies = layout.bodies_of(S)
             # The joint of a driven fin comes last.
             joint_bodies = [*range(layout.tail_link + 1, layout.n_bodies), layout.tail_link]
             driven = joint_bodies[: len(self.robot.driven_joints)]
@@ -229,11 +231,6 @@ class PlanarPlant(Plant[Planar]):
             self._hold(joints, command)
             bodies[driven, : rows.JOINT_ROWS] = joints
         return S
-
-    def _bodies_of(self, S: np.ndarray) -> np.ndarray:
-        """Return a view of the records of all bodies, one per row."""
-        end = rows.HEADER_ROWS + self.layout.n_bodies * rows.BODY_ROWS
-        return S[rows.HEADER_ROWS : end].reshape(-1, rows.BODY_ROWS)
 
     @cached_property
     def _last_rows(self) -> tuple[gaits.Gait | None, np.ndarray]:
@@ -268,7 +265,7 @@ class PlanarPlant(Plant[Planar]):
             layout.tail_link,
             layout.has_extras,
         )
-        bodies = self._bodies_of(S)
+        bodies = layout.bodies_of(S)
         # The bias force of body 0 contains that of all bodies, since no joint is free. Where nothing
         # rotates, a bias force is minus the loads that do not depend on acceleration: here those of the
         # whole robot, about its tail end. At heading 0, world axes are link axes.
@@ -341,17 +338,12 @@ class PlanarPlant(Plant[Planar]):
         self._kernels.run(S, *self.layout.chain, self.is_implicit, n_steps, dt, every, raw)
         return np.nan_to_num(raw[:, :, 0], nan=0.0, posinf=0.0, neginf=0.0)
 
-    def _link_forces(
+    def _compute_loads(
         self, state: PlantState, command: Command, samples: np.ndarray, every: int, dt: float
-    ) -> np.ndarray:
-        layout = self.layout
-        force = np.empty((len(samples), 3, layout.n_bodies, 2, 1))
+    ) -> SampledLoads:
         S = self.rows(state, command)
-        self._kernels.link_forces(S, *layout.chain, samples[:, :, np.newaxis], force)
-        body = np.moveaxis(force[..., 0], 1, 0)
-        # Fin bodies belong to the tail link.
-        body[:, :, layout.tail_link] += body[:, :, : layout.tail_link].sum(axis=2)
-        return body[:, :, layout.tail_link :]
+        link_forces = self._kernels.link_forces
+        return compute_loads(link_forces, self.layout, S, samples, self.robot.mass)
 
     @cached_property
     def _columns(self) -> dict[str, Any]:

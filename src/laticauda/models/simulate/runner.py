@@ -105,7 +105,7 @@ def run(
         start: Start of the run; None: at the origin, along x.
         sample_interval: Time between two samples of the log [s]; adjusted so that it divides the
             time between two control instants, and the duration.
-        link_forces: Whether to log the force on every link as well.
+        link_forces: Whether to log the force on every link, and what every joint carries, as well.
         until: Called at every control instant after the first; when it returns True, the run ends
             early.
         throw: Whether to raise an error when the run blows up, instead of returning a trial that
@@ -149,7 +149,7 @@ def run_scenario(scenario: Scenario, plant: Plant[Any], **how: Unpack[Watching])
     Args:
         scenario: Everything that determines the run.
         plant: The plant made from the scenario.
-        how: `link_forces`: log the force on every link as well; `until`: called at every control
+        how: `link_forces`: log the forces on links and in joints as well; `until`: called at every control
             instant, ends the run when it returns True; `throw`: raise an error when the run blows
             up; `progress`: called repeatedly with the time reached [s].
     """
@@ -408,7 +408,7 @@ def resume(
         duration: Duration of the continuation [s].
         controller: The controller, which starts from its own initial state; None continues with the
             trial's gait.
-        how: `link_forces`: log the force on every link as well; `until`: called at every control
+        how: `link_forces`: log the forces on links and in joints as well; `until`: called at every control
             instant, ends the run when it returns True; `throw`: raise an error when the run blows
             up; `progress`: called repeatedly with the time reached [s];
             `sample_interval`: time between two samples of the log [s].
@@ -453,7 +453,7 @@ def swim(
         gait: The commanded gait (`lateral_undulation`, `eel_like`, `custom_gait`), the name of its
             kind with its numbers among the changes, or a controller; omitted with a scenario.
         duration: With a robot: duration of the run [s].
-        link_forces: Whether to log the force on every link as well.
+        link_forces: Whether to log the force on every link, and what every joint carries, as well.
         throw: Whether to raise an error when the run blows up, instead of returning a trial that
             says so.
         progress: Called repeatedly with the time reached [s].

@@ -10,6 +10,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from laticauda.models.dynamics.plant import ELASTIC_DT, Plant
+from laticauda.models.dynamics.sampled_loads import SampledLoads
 from laticauda.models.dynamics.samples import PlantState, Samples
 from laticauda.models.spatial import rows, water_robot
 from laticauda.models.spatial.columns import HEADER, SampleColumns, columns_of
@@ -199,6 +200,11 @@ class SpatialPlant(Plant[Spatial]):
     def _twin(self) -> Twin:
         return Twin(self.robot, self.environment, self.settings)
 
+    @cached_property
+    def _sensing_twin(self) -> Twin:
+        """The twin with sensors of what its joints carry, which others do without."""
+        return Twin(self.robot, self.environment, self.settings, senses_loads=True)
+
     def unpack(self, stored: Mapping[str, np.ndarray]) -> PlantState:
         """Return the state from stored arrays; those of older versions, without the state of an edge, have it at 0."""
         values = np.asarray(stored.get(self.name, ()), dtype=float)
@@ -308,21 +314,32 @@ class SpatialPlant(Plant[Spatial]):
     def _sample_of(self, state: PlantState, command: Command) -> np.ndarray:
         return self._sample_at(state)
 
-    def _link_forces(
+    def _compute_loads(
         self, state: PlantState, command: Command, samples: np.ndarray, every: int, dt: float
-    ) -> np.ndarray:
-        """Return forces without buoyancy, by repeating the run sample by sample and evaluating the forces at each."""
-        force = np.zeros((3, len(samples), self.robot.n_links, 3))
+    ) -> SampledLoads:
+        """Return forces without buoyancy, and loads, by repeating the run and evaluating them at each sample."""
+        loads = SampledLoads.zeros(n_samples=len(samples), n_links=self.robot.n_links, n_axes=3)
         values = self._start_values(state, command)
         inputs = self._inputs(command)
         for k in range(len(samples)):
             if k > 0:
                 values, _ = self._run_kernels(values, inputs, steps=every, dt=dt, every=every)
             # A run in another thread would change the twin's state.
-            with self._twin.lock:
-                self._run_kernels(values, inputs, steps=0, dt=NO_STEP, every=1)
-                force[:, k] = self._twin.forces()
-        return force
+            with self._sensing_twin.lock:
+                self._put_sensing_twin(values, inputs)
+                forces = self._sensing_twin.forces()
+                sensed = self._sensing_twin.loads(forces)
+            loads.link_force[:, k] = forces
+            loads.joint_force[k] = sensed.joint_force
+            loads.joint_moment[k] = sensed.joint_moment
+            loads.water_force[k] = sensed.water_force
+        return loads
+
+    def _put_sensing_twin(self, values: np.ndarray, inputs: KernelInputs) -> None:
+        """Put the twin with sensors into the state of a vector."""
+        self._sensing_twin.run(
+            [values.copy()], [inputs], steps=0, dt=NO_STEP, every=1, environment=self.environment
+        )
 
     @cached_property
     def _columns(self) -> SampleColumns:

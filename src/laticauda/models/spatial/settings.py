@@ -48,20 +48,23 @@ def numbers_per_link(setup: Spatial) -> int:
     return 4
 
 
-def build_plant_spec(robot: Robot, environment: Environment, setup: Spatial) -> Any:
+def build_plant_spec(
+    robot: Robot, environment: Environment, setup: Spatial, *, sensors: bool = False
+) -> Any:
     """Return the `mujoco.MjSpec` of a robot in its surroundings.
 
     Args:
         robot: The robot.
         environment: The water it swims in, or the ground.
         setup: The model's settings.
+        sensors: Whether it has the sensors of the real robot.
     """
     mujoco = load_mujoco()
     spec = mjcf.build_spec(
         robot,
         environment,
         root=setup.root or "free",
-        sensors=False,
+        sensors=sensors,
         visuals=False,
         scene=setup.scene,
         ballast_depth=used_ballast_depth(setup),

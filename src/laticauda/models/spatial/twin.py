@@ -10,9 +10,10 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.compiling.templates import specialized
-from laticauda.models.dynamics.samples import FORCES
+from laticauda.models.dynamics.sampled_loads import FORCES, FORCES_OF_WATER
 from laticauda.models.spatial import mjcf, rows
 from laticauda.models.spatial.bodies import straight_center_of_mass
+from laticauda.models.spatial.load_sensors import LoadSensors, SensedLoads
 from laticauda.models.spatial.places import (
     LocatedRobot,
     Member,
@@ -33,7 +34,7 @@ from laticauda.models.spatial.water_robot import mounted_elements
 from laticauda.motion.joints import JointLaw
 from laticauda.robot import Environment, Ground, Robot, Scene, Water, fin_edge
 from laticauda.scenarios import Spatial
-from laticauda.values import load_mujoco
+from laticauda.values import BadArgument, load_mujoco
 from laticauda.water import mujoco as water
 from laticauda.water.mujoco import callback, table
 
@@ -72,6 +73,7 @@ class Twin:
         environment: Environment of the robots.
         setup: Model settings of the first robot, with the scene.
         neighbors: Further robots with their settings; names of the k-th begin with `robot_k_`.
+        senses_loads: Whether the first robot has sensors of what its joints carry.
     """
 
     def __init__(
@@ -80,12 +82,14 @@ class Twin:
         environment: Environment,
         setup: Spatial,
         neighbors: Sequence[tuple[Robot, Spatial]] = (),
+        *,
+        senses_loads: bool = False,
     ) -> None:
         self.lock = RLock()
         members = [Member(robot, setup, mjcf.robot_prefix(0))]
         for k, (neighbor, settings) in enumerate(neighbors, 1):
             members.append(Member(neighbor, settings, mjcf.robot_prefix(k)))
-        self.model = _compile_model(members, environment)
+        self.model = _compile_model(members, environment, sensors=senses_loads)
         self.n_qpos = self.model.nq
         self.n_qvel = self.model.nv
         self.height = float(self.model.body("module_0").pos[2])
@@ -102,6 +106,9 @@ class Twin:
         """Where each robot's part of the arrays of all robots begins."""
         self.order = np.concatenate([located.bodies for located in robots])
         """Bodies of all robots, in the order of their links."""
+        self._load_sensors: LoadSensors | None = None
+        if senses_loads:
+            self._load_sensors = LoadSensors(self.model, self.order[: robot.n_links])
         self._masses = np.array([_masses_of(self.model, located) for located in robots])
         self._setups = np.array(
             [build_setup(self.model, self._data, located) for located in robots]
@@ -273,6 +280,20 @@ class Twin:
                 total[k, link] += loads[name][i]
         return total
 
+    def loads(self, forces: np.ndarray) -> SensedLoads:
+        """Return the loads of the first robot, right after `forces`.
+
+        Args:
+            forces: What `forces` returned.
+
+        Raises:
+            ValueError: If the twin was made without their sensors.
+        """
+        if self._load_sensors is None:
+            raise BadArgument("senses_loads", "must be set when the twin is made")
+        of_water = forces[FORCES_OF_WATER].sum(axis=0)
+        return self._load_sensors.read(self._data, of_water)
+
     def ranges(self, data: Any, rays: tuple[float, ...]) -> np.ndarray:
         """Return distances from the tip of the head [m], infinite where nothing is hit.
 
@@ -307,10 +328,10 @@ def stepping(joints: JointLaw) -> ModuleType:
     return specialized("laticauda.models.spatial", TEMPLATES, {"joint_law": joints.own})
 
 
-def _compile_model(members: Sequence[Member], environment: Environment) -> Any:
+def _compile_model(members: Sequence[Member], environment: Environment, *, sensors: bool) -> Any:
     """Return the `mujoco.MjModel` of all robots in the surroundings of the first one."""
     first = members[0]
-    spec = build_plant_spec(first.robot, environment, first.setup)
+    spec = build_plant_spec(first.robot, environment, first.setup, sensors=sensors)
     with reporting_scene_errors():
         for k, member in enumerate(members[1:], 1):
             alone = replace(member.setup, scene=Scene())

@@ -265,7 +265,10 @@ def read_tilt(sample: series.Log) -> dict[str, float]:
 
 def _recorded_series(sample: series.Log) -> dict[str, np.ndarray]:
     """Return the series that are recorded of a sample."""
-    return replace(sample, link_force=None).series()
+    without_loads = replace(
+        sample, link_force=None, joint_force=None, joint_moment=None, water_force=None
+    )
+    return without_loads.series()
 
 
 def _run_of_record(log: series.Log, simulation: Simulation) -> Scenario | Experiment:

@@ -30,6 +30,8 @@ in place remove both.
 SEAL_LENGTH = len(SEAL) + 64
 """Length of the mark and the checksum [bytes]."""
 
+NAMES_OF_TEXTS = {"axis": "axes", "direction": "directions"}
+"""Dimensions with texts for places: their names in the file."""
 SIZE_OF_PROBE = 1 << 16
 """Number of bytes at least that are written to find out why a file cannot be [bytes]."""
 
@@ -50,7 +52,9 @@ class NetCdfFile(Format):
         }
         # Under the CF conventions no text variable may share its name with a dimension, and time is
         # a date.
-        dataset = dataset.rename_dims(axis="axes")
+        dataset = dataset.rename_dims(
+            {name: plural for name, plural in NAMES_OF_TEXTS.items() if name in dataset.dims}
+        )
         microseconds = read_epoch(dataset.attrs) // 1000
         start = str(np.datetime64(microseconds, "us")).replace("T", " ")
         dataset["time"].attrs |= {
@@ -120,6 +124,5 @@ def _decode(content: bytes) -> "xarray.Dataset":
     with netCDF4.Dataset("trial.nc", mode="r", memory=content) as file:
         store = NetCDF4DataStore(file)
         dataset = xarray.open_dataset(store, decode_times=False, mask_and_scale=False).load()
-    if "axes" in dataset.dims:  # renamed by `write`
-        return dataset.swap_dims(axes="axis")
-    return dataset
+    renamed = {plural: name for name, plural in NAMES_OF_TEXTS.items() if plural in dataset.dims}
+    return dataset.swap_dims(renamed)

@@ -18,11 +18,13 @@ from jaxtyping import Float
 from laticauda.trials import Format
 from laticauda.trials.arrays import Samples
 from laticauda.trials.dataset import AXES, assembled, describe_series
-from laticauda.values import files, optional_import
+from laticauda.values import DIRECTIONS, files, optional_import
 
 if TYPE_CHECKING:
     import xarray
 
+NAMED_PLACES = {"axis": AXES, "direction": DIRECTIONS}
+"""Dimensions whose places have names in those of columns."""
 KEY = b"laticauda_trial"
 """Key of a Parquet file under which everything in a trial that is no time series is stored, as JSON."""
 
@@ -158,10 +160,8 @@ def _suffix_of(dimensions: Sequence[object], index: Sequence[int]) -> str:
     """Return what the name of a column ends with: `_x` for an axis, `_0` for the tail."""
     suffix = ""
     for dimension, i in zip(dimensions, index, strict=True):
-        if dimension == "axis":
-            suffix += f"_{AXES[i]}"
-        else:
-            suffix += f"_{i}"
+        names = NAMED_PLACES.get(str(dimension))
+        suffix += f"_{i}" if names is None else f"_{names[i]}"
     return suffix
 
 
@@ -184,9 +184,7 @@ def _stack_columns(
     """Stack the columns `name` and a suffix for every dimension after time, outermost first."""
     if not dimensions:
         return table[name]
-    suffixes: Iterable[object] = itertools.count()
-    if dimensions[0] == "axis":
-        suffixes = AXES
+    suffixes: Iterable[object] = NAMED_PLACES.get(dimensions[0], itertools.count())
     parts: list[Float[np.ndarray, ...]] = []
     for suffix in suffixes:
         try:
@@ -198,4 +196,6 @@ def _stack_columns(
         return np.stack(parts, axis=1)
     if dimensions == ("joint",):  # a robot with one link has no joints
         return np.empty((len(table["time"]), 0))
+    if dimensions == ("joint", "direction"):
+        return np.empty((len(table["time"]), 0, len(DIRECTIONS)))
     raise KeyError(name)

@@ -1,0 +1,72 @@
+"""Loads at the samples of a march: forces on the links of a body, and what its joints carry.
+
+What a joint carries is a force and a moment: those of the part of the body on its tail side on the part
+on its head side, in the axes of the link on the tail side (along it to the head, to its left, up), the
+moment about the joint. So the moment about a joint's axis has the sign of the joint's torque: it is the
+torque of the drive less that of the skin.
+"""
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from laticauda.values import DIRECTIONS
+
+FORCES = ("drag", "added_mass", "effector")
+"""Kinds of forces on a link, in the order of the first axis of an array of them."""
+FORCES_OF_WATER = slice(0, 2)
+"""Those of them that the water exerts on the link itself."""
+
+
+class SampledLoads(NamedTuple):
+    """Loads at every sample."""
+
+    link_force: Float[np.ndarray, "n_kinds n_samples n_links n_axes"]
+    """Forces of every kind on every link, world axes [N]."""
+    joint_force: Float[np.ndarray, "n_samples n_joints 3"]
+    """Force in every joint: along, left, up [N]."""
+    joint_moment: Float[np.ndarray, "n_samples n_joints 3"]
+    """Moment in every joint, about the same axes [N m]."""
+    water_force: Float[np.ndarray, "n_samples n_links 3"]
+    """Force of the water on every link, drag and added mass: along, left, up [N]."""
+
+    def at(self, index: slice) -> "SampledLoads":
+        """Return the loads at a slice of the samples."""
+        return SampledLoads(
+            link_force=self.link_force[:, index],
+            joint_force=self.joint_force[index],
+            joint_moment=self.joint_moment[index],
+            water_force=self.water_force[index],
+        )
+
+    @classmethod
+    def zeros(cls, *, n_samples: int, n_links: int, n_axes: int) -> "SampledLoads":
+        """Return loads to be filled in."""
+        of_joints = (n_samples, n_links - 1, len(DIRECTIONS))
+        return cls(
+            link_force=np.zeros((len(FORCES), n_samples, n_links, n_axes)),
+            joint_force=np.zeros(of_joints),
+            joint_moment=np.zeros(of_joints),
+            water_force=np.zeros((n_samples, n_links, len(DIRECTIONS))),
+        )
+
+
+def join_loads(parts: Iterable[SampledLoads | None]) -> SampledLoads | None:
+    """Return the loads of consecutive stretches, each of which begins with the last sample of the one before.
+
+    Args:
+        parts: Loads of each stretch; None, also as the result: they were not requested.
+    """
+    kept: list[SampledLoads] = []
+    for part in parts:
+        if part is None:
+            return None
+        kept.append(part.at(slice(1, None)) if kept else part)
+    return SampledLoads(
+        link_force=np.concatenate([part.link_force for part in kept], axis=1),
+        joint_force=np.concatenate([part.joint_force for part in kept]),
+        joint_moment=np.concatenate([part.joint_moment for part in kept]),
+        water_force=np.concatenate([part.water_force for part in kept]),
+    )

@@ -1,0 +1,64 @@
+"""What the joints of a body in space carry, as read from MuJoCo's force and torque sensors in water.
+
+MuJoCo computes the load between a body and its parent from the inertia of everything behind the joint;
+`laticauda.water.mujoco.sensors` adds what the water does there. The planar model does neither: the two
+agree because both are right.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from laticauda.values import DIRECTIONS
+
+N_AXES = len(DIRECTIONS)
+
+
+class SensedLoads(NamedTuple):
+    """Loads at one moment, see `laticauda.models.dynamics.sampled_loads`."""
+
+    joint_force: Float[np.ndarray, "n_joints 3"]
+    """Force in every joint [N]."""
+    joint_moment: Float[np.ndarray, "n_joints 3"]
+    """Moment in every joint [N m]."""
+    water_force: Float[np.ndarray, "n_links 3"]
+    """Force of the water on every link [N]."""
+
+
+class LoadSensors:
+    """The sensors `force_i` and `torque_i` of a model, which are at the tail end of module i = 1, 2, ...
+
+    Args:
+        model: A `mujoco.MjModel` with sensors (`mjcf.build_spec`).
+        bodies: Bodies of the modules in it, tail first.
+    """
+
+    def __init__(self, model: Any, bodies: Int[np.ndarray, " n_links"]) -> None:
+        ahead = range(1, len(bodies))
+        self._bodies = bodies
+        self._sites = np.array([model.site(f"module_{i}_tail").id for i in ahead], dtype=int)
+        self._forces = _columns(model, [f"force_{i}" for i in ahead])
+        self._torques = _columns(model, [f"torque_{i}" for i in ahead])
+
+    def read(self, data: Any, of_water: Float[np.ndarray, "n_links 3"]) -> SensedLoads:
+        """Return the loads in the axes of the modules.
+
+        Args:
+            data: A `mujoco.MjData` after `mj_forward`.
+            of_water: Forces of the water on the modules, world axes [N].
+        """
+        from_site = data.site_xmat[self._sites].reshape(-1, N_AXES, N_AXES)
+        to_module = np.swapaxes(data.xmat[self._bodies].reshape(-1, N_AXES, N_AXES), 1, 2)
+        turn = to_module[:-1] @ from_site
+        return SensedLoads(
+            joint_force=np.einsum("jab,jb->ja", turn, data.sensordata[self._forces]),
+            joint_moment=np.einsum("jab,jb->ja", turn, data.sensordata[self._torques]),
+            water_force=np.einsum("jab,jb->ja", to_module, of_water),
+        )
+
+
+def _columns(model: Any, names: list[str]) -> Int[np.ndarray, "n_sensors 3"]:
+    """Return where the readings of some sensors are in the data."""
+    first = np.array([model.sensor(name).adr[0] for name in names], dtype=int)
+    return first[:, np.newaxis] + np.arange(N_AXES)
