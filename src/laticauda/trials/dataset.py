@@ -274,7 +274,9 @@ def pack_array(values: AnyArray) -> dict[str, Any]:
 
 def _attributes(trial: Contents) -> dict[str, str | int]:
     """Return everything in a trial that is not a time series, as texts and numbers."""
-    loads = {} if trial.water_force is None else {HAS_LOADS: 1}
+    loads: dict[str, int] = {}
+    if trial.water_force is not None:
+        loads[HAS_LOADS] = 1
     return {
         MARK: FORMAT,
         "Conventions": "CF-1.11",

@@ -160,8 +160,10 @@ def _suffix_of(dimensions: Sequence[object], index: Sequence[int]) -> str:
     """Return what the name of a column ends with: `_x` for an axis, `_0` for the tail."""
     suffix = ""
     for dimension, i in zip(dimensions, index, strict=True):
-        names = NAMED_PLACES.get(str(dimension))
-        suffix += f"_{i}" if names is None else f"_{names[i]}"
+        if dimension in NAMED_PLACES:
+            suffix += f"_{NAMED_PLACES[str(dimension)][i]}"
+        else:
+            suffix += f"_{i}"
     return suffix
 
 
