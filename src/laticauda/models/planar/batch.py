@@ -141,7 +141,7 @@ def march_many(
         results: list[Result] = []
         for first in range(0, len(task_runs), WIDTH):
             lanes = slice(first, first + WIDTH)
-            S = _side_by_side(columns[:, lanes], task_runs[lanes])
+            S = side_by_side(columns[:, lanes], task_runs[lanes])
             block = _march(plant, task[lanes], S, duration, n_intervals, log)
             results.append(use(block))
         return results
@@ -284,7 +284,7 @@ def block_of(index: np.ndarray, path: np.ndarray, end: np.ndarray, n_samples: np
     )
 
 
-def _side_by_side(columns: np.ndarray, runs: Sequence[Run]) -> np.ndarray:
+def side_by_side(columns: np.ndarray, runs: Sequence[Run]) -> np.ndarray:
     """Return the rows of up to WIDTH runs as lanes, complex if they have slopes; unused lanes repeat the last run."""
     n = len(runs)
     has_slopes = runs[0].slope is not None
