@@ -84,6 +84,7 @@ if TYPE_CHECKING:
         preset_water as preset_water,
         water_for as water_for,
     )
+    from laticauda.scenarios.body_loads import BodyLoads as BodyLoads
     from laticauda.scenarios.interfaces import (
         Command as Command,
         Controller as Controller,
@@ -108,6 +109,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "build_scenario",
             "model_of",
         ],
+        "laticauda.scenarios.body_loads": ["BodyLoads"],
         "laticauda.scenarios.choice": ["Choice", "Chosen"],
         "laticauda.scenarios.plausibility": ["Doubt", "judge_scenario", "limit_case"],
         "laticauda.scenarios.scenario": [

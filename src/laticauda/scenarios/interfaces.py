@@ -1,9 +1,10 @@
 """Interface between plants and controllers: commands, observations, starts, and the controller base class."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, NamedTuple, TypeVar
 
 import numpy as np
 from jaxtyping import Float
@@ -11,6 +12,7 @@ from jaxtyping import Float
 from laticauda.motion.gaits import STRAIGHT, Gait
 from laticauda.motion.joints import JointLaw
 from laticauda.robot import Robot
+from laticauda.scenarios.body_loads import BodyLoads
 from laticauda.values import (
     BadArgument,
     Extensible,
@@ -190,6 +192,32 @@ class Observation:
     """In a scene: total contact force on every link at the end of the last command [N]."""
     ranges: Float[np.ndarray, " n_rays"] | None = None
     """Distance that the head measures along every ray of `Spatial.rays`, infinite if nothing is hit [m]."""
+    _evaluate_loads: ClassVar[Callable[[], BodyLoads] | None] = None
+    """What a plant sets of an observation whose loads can be computed (`with_loads`)."""
+
+    @cached_property
+    def loads(self) -> BodyLoads:
+        """What links and joints bear at this instant, under the command that acted until now.
+
+        Computed when it is first asked for; what does not ask pays nothing.
+
+        Raises:
+            ValueError: If the observation is not that of a model.
+        """
+        if self._evaluate_loads is None:
+            raise ValueError("`loads` are known to models only: this observation is not of one.")
+        return self._evaluate_loads()
+
+    def with_loads(self, evaluate: Callable[[], BodyLoads]) -> "Observation":
+        """Return the same observation with loads.
+
+        Args:
+            evaluate: Computes them.
+        """
+        copy = object.__new__(type(self))
+        vars(copy).update(vars(self))
+        vars(copy)["_evaluate_loads"] = evaluate
+        return copy
 
 
 @value_class

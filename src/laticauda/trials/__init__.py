@@ -47,6 +47,7 @@ if TYPE_CHECKING:
         joined as joined,
         note_differences as note_differences,
     )
+    from laticauda.trials.side_pressure import side_areas as side_areas
     from laticauda.trials.trial import (
         FIGURES as FIGURES,
         Figure as Figure,
@@ -98,6 +99,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.trials.edge": ["ThrustError", "describe_edge", "thrust_error"],
         "laticauda.trials.following": ["nearest_points"],
         "laticauda.trials.several": ["note_differences"],
+        "laticauda.trials.side_pressure": ["side_areas"],
         "laticauda.trials.moving_water": ["MOVING_WATER_NOTE", "describe_sweeping", "water_moves"],
         "laticauda.trials.trial": ["shown_figures"],
         "laticauda.trials.null_models": [

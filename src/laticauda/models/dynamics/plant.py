@@ -4,7 +4,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import ClassVar, Generic, TypeVar, cast
 
 import numpy as np
@@ -26,6 +26,7 @@ from laticauda.motion.joints import JointLaw
 from laticauda.robot import Environment, Robot, check_fits, has_power_model
 from laticauda.scenarios import (
     EFFECTORS,
+    BodyLoads,
     Command,
     Model,
     Observation,
@@ -33,6 +34,7 @@ from laticauda.scenarios import (
     check_waves,
     fin_signals,
 )
+from laticauda.trials import side_areas
 from laticauda.values import REQUESTED_SERIES, BadArgument, Log, check_instance, check_positive
 
 ModelType = TypeVar("ModelType", bound=Model)
@@ -129,6 +131,19 @@ class Plant(ABC, Generic[ModelType]):
     @abstractmethod
     def observe(self, state: PlantState) -> Observation:
         """Return the observation of `state`."""
+
+    def observe_under(self, state: PlantState, command: Command) -> Observation:
+        """Return the observation of `state`, with `loads` under `command`."""
+        return self.observe(state).with_loads(partial(self.evaluate_loads, state, command))
+
+    @abstractmethod
+    def evaluate_loads(self, state: PlantState, command: Command) -> BodyLoads:
+        """Return what links and joints bear in `state` under `command`."""
+
+    @cached_property
+    def _side_areas(self) -> np.ndarray:
+        """Area of a side of every link [m^2]."""
+        return side_areas(self.robot)
 
     def step(self, state: PlantState, command: Command, dt: float) -> PlantState:
         """Return the state `dt` [s] after `state`, while `command` is held."""

@@ -12,12 +12,14 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
+from laticauda.scenarios import BodyLoads
 from laticauda.values import DIRECTIONS
 
 FORCES = ("drag", "added_mass", "effector")
 """Kinds of forces on a link, in the order of the first axis of an array of them."""
 FORCES_OF_WATER = slice(0, 2)
 """Those of them that the water exerts on the link itself."""
+LEFT = DIRECTIONS.index("left")
 
 
 class SampledLoads(NamedTuple):
@@ -39,6 +41,25 @@ class SampledLoads(NamedTuple):
             joint_force=self.joint_force[index],
             joint_moment=self.joint_moment[index],
             water_force=self.water_force[index],
+        )
+
+    def body_loads(
+        self,
+        joint_torque: Float[np.ndarray, " n_joints"],
+        side_areas: Float[np.ndarray, " n_links"],
+    ) -> BodyLoads:
+        """Return the loads at the first sample.
+
+        Args:
+            joint_torque: Torques of the joints' drives there [N m].
+            side_areas: Area of a side of every link [m^2].
+        """
+        return BodyLoads(
+            joint_torque=joint_torque,
+            joint_force=self.joint_force[0],
+            joint_moment=self.joint_moment[0],
+            water_force=self.water_force[0],
+            pressure_difference=self.water_force[0, :, LEFT] / side_areas,
         )
 
     @classmethod

@@ -6,7 +6,7 @@ next, and the results are those of the same robot alone.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -209,7 +209,10 @@ class Fleet:
         return numbers.reshape(numbers.shape[0], -1)[:, : self.n].copy()  # the lanes move on
 
     def _observe_one(self, i: int) -> Observation:
-        return self.runs[i].plant.observe(self.state_of(i))
+        plant = self.runs[i].plant
+        block, lane = divmod(i, WIDTH)
+        rows_now = self._lanes[block, :, lane].copy()  # the lanes move on
+        return plant.observe(self.state_of(i)).with_loads(partial(plant.loads_of_rows, rows_now))
 
     def _command_numbers(self, numbers: Mapping[str, np.ndarray]) -> None:
         """Write what arrays command into the lanes."""

@@ -20,7 +20,7 @@ from laticauda.models.planar.sample_format import column_of, columns_of_joints
 from laticauda.motion import gaits
 from laticauda.motion.joints import JointLaw
 from laticauda.robot import Coefficients, law_of, link_coefficients
-from laticauda.scenarios import Command, Observation, Planar, Start
+from laticauda.scenarios import BodyLoads, Command, Observation, Planar, Start
 from laticauda.values import BadArgument, Formula, check_instance
 from laticauda.water.fluid import DragLaw, PolynomialDrag, flow as flows
 
@@ -338,12 +338,36 @@ class PlanarPlant(Plant[Planar]):
         self._kernels.run(S, *self.layout.chain, self.is_implicit, n_steps, dt, every, raw)
         return np.nan_to_num(raw[:, :, 0], nan=0.0, posinf=0.0, neginf=0.0)
 
+    def evaluate_loads(self, state: PlantState, command: Command) -> BodyLoads:
+        """Return what links and joints bear in `state` under `command`."""
+        return self.loads_of_rows(self.rows(state, command))
+
+    def loads_of_rows(self, S: np.ndarray) -> BodyLoads:
+        """Return what links and joints bear.
+
+        Args:
+            S: All rows of one lane, as `rows` returns them; they are changed.
+        """
+        layout = self.layout
+        raw = np.empty((1, layout.sample_size, 1))
+        n_steps, dt, every = 0, self.dt, 1
+        self._kernels.run(S, *layout.chain, self.is_implicit, n_steps, dt, every, raw)
+        samples = raw[:, :, 0]
+        loads = compute_loads(self._kernels.link_forces, layout, S, samples, self._mass)
+        of_joints = sample_format.view_joints(samples, layout.n_joints)
+        torque = of_joints[0, sample_format.place_of(rows.TORQUE), layout.tail_link :]
+        return loads.body_loads(torque, self._side_areas)
+
+    @cached_property
+    def _mass(self) -> float:
+        return self.robot.mass
+
     def _compute_loads(
         self, state: PlantState, command: Command, samples: np.ndarray, every: int, dt: float
     ) -> SampledLoads:
         S = self.rows(state, command)
         link_forces = self._kernels.link_forces
-        return compute_loads(link_forces, self.layout, S, samples, self.robot.mass)
+        return compute_loads(link_forces, self.layout, S, samples, self._mass)
 
     @cached_property
     def _columns(self) -> dict[str, Any]:

@@ -260,7 +260,7 @@ def _run_swimmers(
     now = 0.0
     for span in split_run(duration, sample_interval, control_interval):
         if span.begins_at_control_instant:
-            observations = [swimmer.plant.observe(swimmer.state) for swimmer in swimmers]
+            observations = [swimmer.observe() for swimmer in swimmers]
             if until is not None and n_instants and until(observations[0]):
                 duration = cut_duration(duration, control_interval, n_instants)
                 break
@@ -296,11 +296,17 @@ class _Swimmer:
             Command(gait=self.controller.gait),
             delay=_delay(plant, self.controller, scenario.start),
         )
+        self.last_command = self.commands.latest
+        """The command that acted until now."""
         self.stretches: list[Stretch] = []
         self.signals: list[Mapping[str, float]] = []
         """Signals of the controller at every control instant."""
         self.n_samples: list[int] = []
         """Number of samples after each control instant."""
+
+    def observe(self) -> Observation:
+        """Return what the controller sees now."""
+        return self.plant.observe_under(self.state, self.last_command)
 
     def decide(self, observation: Observation, now: float, control_interval: float) -> None:
         """Perform one control step at a control instant of the run.
@@ -376,9 +382,11 @@ def _advance(swimmers: Sequence[_Swimmer], march: March, now: float, span: Span)
     """Advance by a span, leg by leg; return the failure message, if any."""
     queues = [swimmer.commands for swimmer in swimmers]
     for leg in split_span(queues, now, span):
+        for swimmer in swimmers:
+            swimmer.last_command = swimmer.commands.acting(now, leg.begin)
         states, stretches, failure = march(
             [swimmer.state for swimmer in swimmers],
-            [swimmer.commands.acting(now, leg.begin) for swimmer in swimmers],
+            [swimmer.last_command for swimmer in swimmers],
             leg.end - leg.begin,
             leg.sample_interval,
         )

@@ -18,7 +18,15 @@ from laticauda.models.spatial.settings import land_of, numbers_per_link
 from laticauda.models.spatial.surroundings import check_free
 from laticauda.models.spatial.twin import KernelInputs, Twin
 from laticauda.robot import Ground, Scene, Water, to_quaternion, turn
-from laticauda.scenarios import ORIENTATION, Command, Observation, Spatial, Start, check_waves
+from laticauda.scenarios import (
+    ORIENTATION,
+    BodyLoads,
+    Command,
+    Observation,
+    Spatial,
+    Start,
+    check_waves,
+)
 from laticauda.values import BadArgument, check_instance
 from laticauda.water import mujoco as water
 from laticauda.water.fluid import Flow
@@ -324,22 +332,38 @@ class SpatialPlant(Plant[Spatial]):
         for k in range(len(samples)):
             if k > 0:
                 values, _ = self._run_kernels(values, inputs, steps=every, dt=dt, every=every)
-            # A run in another thread would change the twin's state.
-            with self._sensing_twin.lock:
-                self._put_sensing_twin(values, inputs)
-                forces = self._sensing_twin.forces()
-                sensed = self._sensing_twin.loads(forces)
-            loads.link_force[:, k] = forces
-            loads.joint_force[k] = sensed.joint_force
-            loads.joint_moment[k] = sensed.joint_moment
-            loads.water_force[k] = sensed.water_force
+            self._sense(values, inputs, loads, k)
         return loads
 
-    def _put_sensing_twin(self, values: np.ndarray, inputs: KernelInputs) -> None:
-        """Put the twin with sensors into the state of a vector."""
-        self._sensing_twin.run(
-            [values.copy()], [inputs], steps=0, dt=NO_STEP, every=1, environment=self.environment
-        )
+    def _sense(
+        self, values: np.ndarray, inputs: KernelInputs, loads: SampledLoads, sample: int
+    ) -> np.ndarray:
+        """Write the loads at a state vector to a sample, and return what a log has of it."""
+        twin = self._sensing_twin
+        # A run in another thread would change the twin's state.
+        with twin.lock:
+            logged = twin.run(
+                [values.copy()],
+                [inputs],
+                steps=0,
+                dt=NO_STEP,
+                every=1,
+                environment=self.environment,
+            )
+            forces = twin.forces()
+            sensed = twin.loads(forces)
+        loads.link_force[:, sample] = forces
+        loads.joint_force[sample] = sensed.joint_force
+        loads.joint_moment[sample] = sensed.joint_moment
+        loads.water_force[sample] = sensed.water_force
+        return logged
+
+    def evaluate_loads(self, state: PlantState, command: Command) -> BodyLoads:
+        """Return what links and joints bear in `state` under `command`."""
+        loads = SampledLoads.zeros(n_samples=1, n_links=self.robot.n_links, n_axes=3)
+        values = self._start_values(state, command)
+        logged = self._sense(values, self._inputs(command), loads, 0)
+        return loads.body_loads(logged[0, self._columns.joint_torque], self._side_areas)
 
     @cached_property
     def _columns(self) -> SampleColumns:

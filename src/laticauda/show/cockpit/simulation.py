@@ -219,7 +219,7 @@ class Simulation:
         return later, replace(log, signals=signals)
 
     def _run_controller(self) -> "Simulation":
-        observation = self.plant.observe(self.state)
+        observation = self.plant.observe_under(self.state, self.plant_command)
         state, command = self.scenario.controller.step(self.controller_state, observation)
         pending = PendingCommand(self.ticks + self.delay_ticks, command)
         return replace(

@@ -1,0 +1,26 @@
+"""What the links and joints of a robot bear at one instant, for controllers and sensors."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class BodyLoads:
+    """Loads at one instant, in the axes of links: along it to the head, to its left, up; links and joints tail first.
+
+    What a joint bears is what the part of the body on its tail side does to the part on its head side,
+    in the axes of the link on the tail side.
+    """
+
+    joint_torque: Float[np.ndarray, " n_joints"]
+    """Torque of every joint's drive [N m]."""
+    joint_force: Float[np.ndarray, "n_joints 3"]
+    """Force in every joint [N]."""
+    joint_moment: Float[np.ndarray, "n_joints 3"]
+    """Moment in every joint, about the joint [N m]."""
+    water_force: Float[np.ndarray, "n_links 3"]
+    """Force of the water on every link, drag and added mass; the fin's is in that of the tail [N]."""
+    pressure_difference: Float[np.ndarray, " n_links"]
+    """Mean pressure on the right side of every link less that on its left [Pa]."""
