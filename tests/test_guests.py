@@ -27,7 +27,10 @@ LEFT_OUT = {
     "laticauda.cli.follow_planned",  # the command of a guest
     "laticauda.cli.film",  # likewise
     "laticauda.cli.inverse",
-    *(f"laticauda.models.planar.{name}" for name in ("drives", "loads", "recursion", "stepping")),
+    *(
+        f"laticauda.models.planar.{name}"
+        for name in ("drives", "loads", "prescribed", "recursion", "stepping")
+    ),
     *(f"laticauda.models.spatial.{name}" for name in ("drives", "stepping")),
     "laticauda.models.simulate.harvest",
     "laticauda.water.mujoco.law_entry",

@@ -317,7 +317,7 @@ def test_a_picture_is_drawn(run, name, start):
 
 def test_the_first_run_on_a_machine_says_that_it_compiles(run, monkeypatch):
     monkeypatch.setattr(
-        "laticauda.models.simulate.needs_compiling", lambda environment, model: True
+        "laticauda.models.simulate.needs_compiling", lambda environment, model, robot: True
     )
     done = run("swim --duration 1 --json")
     assert done.err == "compiling the kernels for this machine (once, about 10 s) ...\n"

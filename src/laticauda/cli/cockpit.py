@@ -34,7 +34,7 @@ class Cockpit(OfScenarioOrFile):
 
         load_viser()
         scenario = self.scenario_to_run
-        warn_of_compiling(scenario.environment, scenario.model)
+        warn_of_compiling(scenario.environment, scenario.model, scenario.robot)
         cockpit = Cockpit(Live(scenario), host=self.host, port=self.port)
         if cockpit.door.warning:
             print(cockpit.door.warning, file=sys.stderr)

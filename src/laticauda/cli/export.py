@@ -128,7 +128,7 @@ class Compiled(OfScenario):
         if not isinstance(scenario.model, lc.Planar):
             rule = "must be `planar`: the spatial model needs MuJoCo, which is not exported"
             raise BadArgument("model", rule)
-        warn_of_compiling(scenario.environment, scenario.model)
+        warn_of_compiling(scenario.environment, scenario.model, scenario.robot)
         return scenario
 
 

@@ -221,7 +221,7 @@ class Lab(Command):
         if self.time.faults is not None:
             faults = lab.load_faults(self.time.faults)
         settings = lab.LabSettings(seed=self.time.seed)
-        warn_of_compiling(water, self.body.model)
+        warn_of_compiling(water, self.body.model, robot)
         scene = None
         if self.body.scene is not None:
             scene = self.surroundings

@@ -102,7 +102,7 @@ class Predict(Command):
         """Predict, and report."""
         basis = load_basis(self.folder)
         scenario = self._scenario(basis)
-        warn_of_compiling(scenario.environment, scenario.model)
+        warn_of_compiling(scenario.environment, scenario.model, scenario.robot)
         prediction = predict_scenario(basis, scenario, threads=self.threads)
         trial = lc.swim(scenario)
         return Outcome(

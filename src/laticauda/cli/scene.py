@@ -299,14 +299,19 @@ def _load_joint_angles(name: str, columns: Mapping[str, str]) -> lc.JointAngles:
     return lc.JointAngles.of(load_trial(name))
 
 
-def warn_of_compiling(environment: robot.Environment, model: Model | str = "planar") -> None:
+def warn_of_compiling(
+    environment: robot.Environment,
+    model: Model | str = "planar",
+    swimmer: robot.Robot | None = None,
+) -> None:
     """Print a notice if kernels will be compiled.
 
     Args:
         environment: Environment of the run.
         model: Model of the run.
+        swimmer: Robot of the run; None: one without a fin.
     """
-    if not simulate.needs_compiling(environment, model):
+    if not simulate.needs_compiling(environment, model, swimmer):
         return
     seconds = COMPILING_TIME
     if model == "spatial" or isinstance(model, Spatial):

@@ -162,7 +162,7 @@ class Sweep(Study):
             folder = str(share.folder(self.output))
         with stored_trials(folder) as show, connected(self.scheduler) as client:
             if client is None:
-                warn_of_compiling(scenario.environment, scenario.model)
+                warn_of_compiling(scenario.environment, scenario.model, scenario.robot)
             studies.run_sweep(
                 sweep, self.output, progress=show, client=client, threads=self.threads, share=share
             )
@@ -352,7 +352,7 @@ class Optimize(Study):
         )
         with stored_trials(folder) as show, connected(self.scheduler) as client:
             if client is None:
-                warn_of_compiling(scenario.environment, scenario.model)
+                warn_of_compiling(scenario.environment, scenario.model, scenario.robot)
             return studies.optimize(
                 optimization,
                 folder,

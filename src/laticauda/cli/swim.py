@@ -29,7 +29,7 @@ class ScenarioRun(scene.OfScenarioOrFile, Recording):
         """
         if self.save_scenario is not None:
             lc.save_scenario(scenario, self.save_scenario)
-        scene.warn_of_compiling(scenario.environment, scenario.model)
+        scene.warn_of_compiling(scenario.environment, scenario.model, scenario.robot)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", lc.InfeasibleWarning)  # the first screen says it
             return lc.swim(
@@ -151,7 +151,7 @@ class ResumeSwim(Recording):
             raise BadFlag(f"--resume must be a simulated trial, got {lacking}")
         scenario = replace(stored.scenario, duration=self.duration)
         plant = lc.build_plant(scenario)
-        scene.warn_of_compiling(scenario.environment, scenario.model)
+        scene.warn_of_compiling(scenario.environment, scenario.model, scenario.robot)
         continuation = lc.resume(
             plant,
             stored,

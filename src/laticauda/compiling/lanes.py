@@ -172,6 +172,18 @@ def _real(x):
     return lambda x: x
 
 
+@intrinsic
+def _imaginary_part(typingctx, x):
+    return x.part(x), lambda context, builder, sig, args: parted(context, builder, x, x, args[0])[1]
+
+
+@overload_attribute(Lanes, "imag", inline="always")
+def _imag(x):
+    if isinstance(x, Duals):
+        return lambda x: _imaginary_part(x)  # pyright: ignore[reportCallIssue]
+    return lambda x: 0.0 * x
+
+
 # ---- choices -------------------------------------------------------------------------------------
 
 

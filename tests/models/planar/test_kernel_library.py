@@ -16,8 +16,8 @@ import pytest
 import laticauda as lc
 from laticauda.connect.native import kernel_library as made, platforms
 from laticauda.models.planar import kernel_library
-from laticauda.models.planar.kernel_library import LibraryKernels, describe_laws, find_run
-from laticauda.models.planar.model import PlanarPlant
+from laticauda.models.planar.kernel_library import LibraryKernels, describe_kernel, find_run
+from laticauda.models.planar.model import RUN, RUN_PRESCRIBED, PlanarPlant
 from laticauda.models.simulate import needs_compiling
 from laticauda.water.fluid import PolynomialDrag
 from laticauda.water.fluid.laws import FunctionDrag, TotalSpeedDrag
@@ -78,7 +78,7 @@ def copied(library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Pa
 def is_used() -> bool:
     """Return whether the package finds the kernels of the paper's water in its library."""
     kernel_library._load.cache_clear()
-    return find_run(PolynomialDrag().formula, None) is not None
+    return find_run(RUN, PolynomialDrag().formula, None) is not None
 
 
 def plants() -> dict[str, Callable[[], Any]]:
@@ -87,6 +87,8 @@ def plants() -> dict[str, Callable[[], Any]]:
     total = replace(water, drag=TotalSpeedDrag())
     return {
         "prescribed": lambda: lc.build_plant("mamba", water),
+        "current": lambda: lc.build_plant("mamba", replace(water, current=(0.1, 0.2))),
+        "fin": lambda: lc.build_plant("mamba-fin", total, joints="prescribed"),
         "pd": lambda: lc.build_plant("mamba", water, joints="pd"),
         "servo": lambda: lc.build_plant("amphibot", water, joints="servo"),
         "elastic fin": lambda: lc.build_plant("mamba-fin", water),
@@ -208,11 +210,16 @@ def test_who_asks_the_compiler_for_something_else_gets_it(
     assert not is_used()
 
 
-def test_laws_are_told_apart_by_their_formulas_and_fields():
+def test_kernels_are_told_apart_by_their_names_and_the_formulas_and_fields_of_their_laws():
     laws = [PolynomialDrag(), TotalSpeedDrag()]
     servo = lc.SpeedServo().own
-    descriptions = {describe_laws(law.formula, joints) for law in laws for joints in (None, servo)}
-    assert len(descriptions) == 4
+    descriptions = {
+        describe_kernel(name, law.formula, joints)
+        for name in (RUN, RUN_PRESCRIBED)
+        for law in laws
+        for joints in (None, servo)
+    }
+    assert len(descriptions) == 8
 
 
 def test_a_library_that_is_there_is_not_made_again(folder: Path, monkeypatch: pytest.MonkeyPatch):

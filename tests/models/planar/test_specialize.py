@@ -122,4 +122,4 @@ def test_a_law_of_ones_own_compiles_once_is_found_again_wherever_it_stands_and_c
 def test_the_built_in_law_is_compiled_once_it_has_run():
     gait = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
     lc.swim(load_robot("mamba"), gait, duration=1.0)
-    assert is_kept(specialize().run)
+    assert is_kept(specialize().run_prescribed)

@@ -21,47 +21,75 @@ from laticauda.connect.native.linking import link_library
 from laticauda.connect.native.machine_code import compile_to_object
 from laticauda.connect.native.platforms import C_FOLDER, Platform
 from laticauda.models.planar import kernel_library, specialize
-from laticauda.models.planar.model import TEMPLATES
+from laticauda.models.planar.model import RUN, RUN_PRESCRIBED, TEMPLATES
 from laticauda.motion.joints import JointLaw, Prescribed, SpeedServo
 from laticauda.values.sources import SourceRecord
 from laticauda.water.fluid import DragLaw, PolynomialDrag
 from laticauda.water.fluid.laws import CoulombFriction, TotalSpeedDrag, ViscousFriction
 
 
-class Laws(NamedTuple):
-    """Laws that kernels are compiled for."""
+class UsualKernel(NamedTuple):
+    """A kernel, and the laws that it is compiled for."""
 
+    run_name: str
+    """Its name in `stepping`."""
     drag: DragLaw
     """Law of the loads on one element."""
     joints: JointLaw
     """Law by which the joints follow their references."""
 
 
-USUAL_LAWS = (
-    Laws(
+PRESCRIBED = Prescribed()
+USUAL_KERNELS = (
+    UsualKernel(
+        run_name=RUN_PRESCRIBED,
         drag=PolynomialDrag(),
-        joints=Prescribed(),
+        joints=PRESCRIBED,
     ),
-    Laws(
+    UsualKernel(
+        run_name=RUN_PRESCRIBED,
         drag=TotalSpeedDrag(),
-        joints=Prescribed(),
+        joints=PRESCRIBED,
     ),
-    Laws(
+    UsualKernel(
+        run_name=RUN_PRESCRIBED,
+        drag=ViscousFriction(),
+        joints=PRESCRIBED,
+    ),
+    UsualKernel(
+        run_name=RUN_PRESCRIBED,
+        drag=CoulombFriction(),
+        joints=PRESCRIBED,
+    ),
+    UsualKernel(
+        run_name=RUN,
+        drag=PolynomialDrag(),
+        joints=PRESCRIBED,
+    ),
+    UsualKernel(
+        run_name=RUN,
+        drag=TotalSpeedDrag(),
+        joints=PRESCRIBED,
+    ),
+    UsualKernel(
+        run_name=RUN,
         drag=TotalSpeedDrag(),
         joints=SpeedServo(),
     ),
-    Laws(
+    UsualKernel(
+        run_name=RUN,
         drag=ViscousFriction(),
-        joints=Prescribed(),
+        joints=PRESCRIBED,
     ),
-    Laws(
+    UsualKernel(
+        run_name=RUN,
         drag=CoulombFriction(),
-        joints=Prescribed(),
+        joints=PRESCRIBED,
     ),
 )
-"""Laws that the waters, the grounds and the identified parameters of the presets have.
+"""Kernels for the laws that the waters, the grounds and the identified parameters of the presets have.
 
-What is compiled for prescribed joints includes pd control and servos."""
+What is compiled as `RUN` for prescribed joints includes pd control and servos."""
 _NUMBERS = types.Array(types.float64, 1, "C")
 _INTEGERS = types.Array(types.int64, 1, "C")
 _LOG = types.Array(types.float64, 3, "C")
@@ -98,26 +126,26 @@ def build_library(
     """
     bitcode = _compile_kernels().as_bitcode()
     machine_code = compile_to_object(bitcode, platform._replace(features=features))
-    functions = " ".join(f"F({k})" for k in range(len(USUAL_LAWS)))
+    functions = " ".join(f"F({k})" for k in range(len(USUAL_KERNELS)))
     library = link_library(
         machine_code,
         platform,
         sources=[C_FOLDER / "kernels.c"],
         headers={"kernels.h": f"#define KERNELS {functions}\n"},
     )
-    laws: list[str] = []
-    for drag, joints in USUAL_LAWS:
-        laws.append(kernel_library.describe_laws(drag.formula, joints.own))
+    kernels: list[str] = []
+    for run_name, drag, joints in USUAL_KERNELS:
+        kernels.append(kernel_library.describe_kernel(run_name, drag.formula, joints.own))
     record = SourceRecord.of(*_list_modules())
-    return library, kernel_library.Contents(laws=laws, record=record, maker=maker)
+    return library, kernel_library.Contents(kernels=kernels, record=record, maker=maker)
 
 
 def _compile_kernels() -> llvm.ModuleRef:
-    """Return one LLVM module with the kernels for all laws."""
+    """Return one LLVM module with all of `USUAL_KERNELS`."""
     target = replace(PROCESSOR, entry=_without_python, functions={})
     modules: list[llvm.ModuleRef] = []
-    for k, (drag, joints) in enumerate(USUAL_LAWS):
-        run: Any = specialize(1, drag, joints, (), target).run
+    for k, (run_name, drag, joints) in enumerate(USUAL_KERNELS):
+        run: Any = getattr(specialize(1, drag, joints, (), target), run_name)
         run.compile(SIGNATURE)
         modules.append(_module_of(run, f"laticauda_kernel_{k}"))
     linked_module = modules.pop()
@@ -130,7 +158,7 @@ def _list_modules() -> list[str]:
     """Return the modules that the library is made of, with their imports."""
     modules = {f"laticauda.models.planar.{template}" for template in TEMPLATES}
     modules.add(kernel_library.__name__)
-    for drag, joints in USUAL_LAWS:
+    for _, drag, joints in USUAL_KERNELS:
         modules.add(drag.formula.function.__module__)
         modules.add(joints.formula.function.__module__)
     return sorted(modules)

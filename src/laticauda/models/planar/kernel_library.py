@@ -13,7 +13,6 @@ from collections.abc import Callable
 from ctypes import CDLL, c_double, c_int64, c_void_p
 from dataclasses import dataclass
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -45,8 +44,8 @@ ARGUMENTS = [
 class Contents:
     """What is in the library, and what it was made of."""
 
-    laws: list[str]
-    """Laws that the functions were made for, in the order of the functions' numbers (`describe_laws`)."""
+    kernels: list[str]
+    """What the functions were made of, in the order of their numbers (`describe_kernel`)."""
     record: SourceRecord
     """Sources of the library."""
     maker: str
@@ -54,7 +53,7 @@ class Contents:
 
     def write(self) -> str:
         """Return the contents as text in JSON."""
-        stored = {"laws": self.laws, "record": self.record.write(), "maker": self.maker}
+        stored = {"kernels": self.kernels, "record": self.record.write(), "maker": self.maker}
         return json.dumps(stored)
 
 
@@ -67,22 +66,23 @@ def read_contents(folder: Path) -> Contents | None:
     try:
         stored = json.loads((folder / CONTENTS).read_text(encoding="utf-8"))
         record = SourceRecord.read(stored["record"])
-        laws, maker = stored["laws"], stored["maker"]
+        kernels, maker = stored["kernels"], stored["maker"]
     except (OSError, ValueError, KeyError, TypeError):
         return None
     if record is None or not record.is_current():
         return None
-    return Contents(laws=laws, record=record, maker=maker)
+    return Contents(kernels=kernels, record=record, maker=maker)
 
 
-def describe_laws(drag: Formula, joints: Formula | None) -> str:
-    """Return what tells the kernels for two laws from others.
+def describe_kernel(run_name: str, drag: Formula, joints: Formula | None) -> str:
+    """Return what tells a kernel for two laws from others.
 
     Args:
+        run_name: Name of the kernel in `stepping`.
         drag: Formula of the drag law.
         joints: Formula of the joint law; None: one that all kernels include.
     """
-    return f"{_describe(drag)}, {_describe(joints)}"
+    return f"{run_name}: {_describe(drag)}, {_describe(joints)}"
 
 
 def _describe(formula: Formula | None) -> str:
@@ -92,19 +92,20 @@ def _describe(formula: Formula | None) -> str:
     return " ".join([f"{function.__module__}.{function.__qualname__}", *formula.fields])
 
 
-def find_run(drag: Formula, joints: Formula | None) -> Callable[..., int] | None:
+def find_run(run_name: str, drag: Formula, joints: Formula | None) -> Callable[..., int] | None:
     """Return the library's function for two laws in still water or a uniform current; None if it has none.
 
     Args:
+        run_name: Name of the kernel in `stepping`.
         drag: Formula of the drag law.
         joints: Formula of the joint law; None: one that all kernels include.
     """
-    return _load(FOLDER).get(describe_laws(drag, joints))
+    return _load(FOLDER).get(describe_kernel(run_name, drag, joints))
 
 
 @functools.cache
 def _load(folder: Path) -> dict[str, Callable[..., int]]:
-    """Return the functions of the library by the laws that they were made for; none if it cannot be used here."""
+    """Return the functions of the library by what they were made of; none if it cannot be used here."""
     if any(variable in os.environ for variable in SETTINGS_OF_COMPILER):
         return {}
     contents = read_contents(folder)
@@ -117,32 +118,32 @@ def _load(folder: Path) -> dict[str, Callable[..., int]]:
     if not library.laticauda_fits_processor():
         return {}
     functions: dict[str, Callable[..., int]] = {}
-    for k, laws in enumerate(contents.laws):
+    for k, kernel in enumerate(contents.kernels):
         function = library[f"laticauda_run_{k}"]
         function.argtypes = ARGUMENTS
         function.restype = c_int64
-        functions[laws] = function
+        functions[kernel] = function
     return functions
 
 
 class LibraryKernels:
     """Kernels of a single run, with the names of those in `laticauda.models.planar.stepping`."""
 
-    def __init__(self, run: Callable[..., int], specialize: Callable[[], ModuleType]) -> None:
+    def __init__(self, run: Callable[..., int], compile_kernels: Callable[[], Any]) -> None:
         """Use a function of the library.
 
         Args:
             run: The function, from `find_run`.
-            specialize: Returns the same kernels as compiled by Numba, for what the library does not have.
+            compile_kernels: Returns the same kernels as compiled by Numba, for what the library does not have.
         """
         self._run = run
-        self._specialize = specialize
+        self._compile_kernels = compile_kernels
         self._chain: _Chain | None = None
 
     @property
     def compiled(self) -> Any:
         """The same kernels as compiled by Numba."""
-        return self._specialize()
+        return self._compile_kernels()
 
     @property
     def evaluate(self) -> Any:

@@ -43,6 +43,12 @@ class Layout:
         return bool(self.template[rows.EDGE_LAG] > 0.0)
 
     @property
+    def has_known_shape(self) -> bool:
+        """Whether the joints move as they are told, and no loads but those of the bodies' own elements act."""
+        joint_laws = self.law[1:]
+        return not self.has_extras and bool(np.all(joint_laws < rows.FIRST_FREE))
+
+    @property
     def n_joints(self) -> int:
         """Number of joints, those of the fin included."""
         return self.n_bodies - 1

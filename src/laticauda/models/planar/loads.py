@@ -21,7 +21,7 @@ lanes. `bindings` holds those of this loading, under the names that `model.TEMPL
 from laticauda.compiling import compile_scalar, kernel
 from laticauda.compiling.formulas import in_rows, rows_from, summed
 from laticauda.compiling.functions import sincos
-from laticauda.compiling.lanes import first_lane, magnitude, where
+from laticauda.compiling.lanes import any_lane, first_lane, magnitude, where
 from laticauda.compiling.templates import bindings
 from laticauda.models.planar import number_types
 from laticauda.models.planar.rows import *
@@ -153,7 +153,16 @@ def element_drag(S, b, e):
     `e` is the first row of the element: that of a strip, or CENTER of body b.
     """
     x = S[e + POSITION_OF]
-    v_t, v_n, rate = through_water(S, b, x, e + WATER_OF)
+    return drag_at(S, e, x, through_water(S, b, x, e + WATER_OF))
+
+
+@kernel
+def drag_at(S, e, x, velocity):
+    """Return the drag of one element, and its moment about the tail end of its body, from which it is x away.
+
+    `velocity` is what `through_water` returns.
+    """
+    v_t, v_n, rate = velocity
     c_t, c_n = S[e + C_T_OF], S[e + C_N_OF]
     lambda_2, lambda_3 = S[e + LAMBDA_2_OF], S[e + LAMBDA_3_OF]
     f_t, f_n, tau = drag_law(
@@ -170,15 +179,22 @@ def added_mass_velocity_terms(S, b):
     """
     if HAS_FLOW:
         return element_inertia(S, b, b + CENTER)
-    rate = S[b + LINK_RATE]
-    v_t, v_n = S[b + V_T], S[b + V_N]
+    c, s = S[b + COS], S[b + SIN]
+    V_t = c * S[CURRENT_X] + s * S[CURRENT_Y]
+    V_n = c * S[CURRENT_Y] - s * S[CURRENT_X]
+    return uniform_velocity_terms(S, b, V_t, V_n, S[b + V_T], S[b + V_N], S[b + LINK_RATE])
+
+
+@kernel
+def uniform_velocity_terms(S, b, V_t, V_n, v_t, v_n, rate):
+    """Return `added_mass_velocity_terms` of a body with its strips in a uniform current V, link axes.
+
+    `v_t` and `v_n` are the velocity of its tail end relative to the current.
+    """
     mu_t, mu_n = S[b + MU_T], S[b + MU_N]
     moment_t, moment_n = S[b + MOMENT_T], S[b + MOMENT_N]
     # The classic form includes the current only: its velocity is -V where the others have v - V.
     own, kirchhoff = S[OWN_VELOCITY], S[KIRCHHOFF]
-    c, s = S[b + COS], S[b + SIN]
-    V_t = c * S[CURRENT_X] + s * S[CURRENT_Y]
-    V_n = c * S[CURRENT_Y] - s * S[CURRENT_X]
     seen_t = own * (v_t + V_t) - V_t
     seen_n = own * (v_n + V_n) - V_n
     momentum_n = mu_n * v_n + moment_n * rate
@@ -186,6 +202,26 @@ def added_mass_velocity_terms(S, b):
     f_n = rate * (mu_n * seen_t - kirchhoff * mu_t * v_t)
     munk = -kirchhoff * v_t * (momentum_n - mu_t * v_n - moment_t * rate)
     return f_t, f_n, munk + rate * (moment_n * seen_t - kirchhoff * moment_t * v_t)
+
+
+@kernel
+def still_velocity_terms(S, b, v_t, v_n, rate):
+    """Return what is left of `uniform_velocity_terms` in still water and the relative form, to the last digit.
+
+    The 0.0 stands for the Munk moment: without it the compiler would round the moment elsewhere.
+    """
+    f_t = rate * (-S[b + MU_T] * v_n)
+    f_n = rate * (S[b + MU_N] * v_t)
+    return f_t, f_n, 0.0 + rate * (S[b + MOMENT_N] * v_t)
+
+
+@kernel
+def is_still(S):
+    """Return whether the water is still and the form the relative one, in all lanes and with no derivative."""
+    differs = False
+    for row, value in ((CURRENT_X, 0.0), (CURRENT_Y, 0.0), (OWN_VELOCITY, 1.0), (KIRCHHOFF, 0.0)):
+        differs |= any_lane((S[row].real != value) | (S[row].imag != 0.0))
+    return not differs
 
 
 @kernel

@@ -35,12 +35,17 @@ TEMPLATES = {
     "loads": ("n_lanes", "drag_law", "flow_parts"),
     "recursion": ("n_lanes", "drag_law", "flow_parts"),
     "drives": ("n_lanes", "joint_law"),
+    "prescribed": ("n_lanes", "drag_law", "flow_parts"),
     "stepping": ("n_lanes", "drag_law", "flow_parts", "joint_law"),
 }
 """Templates of the kernels in the order of their loading, and the names that each is loaded anew for.
 
 While a template is loaded, its `bindings` hold the values of these names (`specialize`) and the
 templates before it; see `laticauda.compiling.templates`."""
+RUN = "run"
+"""Name of the kernel in `stepping` that runs any plant."""
+RUN_PRESCRIBED = "run_prescribed"
+"""Name of the kernel for plants whose shape is known beforehand; see `Layout.has_known_shape`."""
 LOGGED_OF_FIN = (rows.ANGLE, rows.RATE, rows.REFERENCE, rows.TORQUE)
 """Rows of a joint in the order of `Samples.fin`."""
 
@@ -76,6 +81,18 @@ def specialize(
         "flow_parts": flow,
     }
     return specialized("laticauda.models.planar", TEMPLATES, names, target)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Kernels:
+    """The entry points of `stepping` that a plant calls, each compiled on first call."""
+
+    run: Any
+    """`stepping.run`, or what does the same faster for this plant."""
+    evaluate: Any
+    """`stepping.evaluate`."""
+    link_forces: Any
+    """`stepping.link_forces`."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -117,14 +134,29 @@ class PlanarPlant(Plant[Planar]):
             self.robot, self.environment, joints=self.joints, coefficients=self.coefficients
         )
 
+    @cached_property
+    def run_name(self) -> str:
+        """Name of the kernel in `stepping` that runs this plant."""
+        if self.is_implicit or self.flow.kinds or not self.layout.has_known_shape:
+            return RUN
+        return RUN_PRESCRIBED
+
     def kernels_of(self, width: int) -> Any:
-        """Return the compiled kernels for `width` trials side by side."""
-        compiled = partial(specialize, width, self.law, self.joints, self.flow.kinds)
+        """Return the compiled kernels for `width` trials side by side: a `Kernels`, or those of the library."""
+        compiled = partial(self._compile_kernels, width)
         if width == 1 and not self.flow.kinds:
-            run = kernel_library.find_run(self.law.formula, self.joints.own)
+            run = kernel_library.find_run(self.run_name, self.law.formula, self.joints.own)
             if run is not None:
                 return kernel_library.LibraryKernels(run, compiled)
         return compiled()
+
+    def _compile_kernels(self, width: int) -> "Kernels":
+        stepping = specialize(width, self.law, self.joints, self.flow.kinds)
+        return Kernels(
+            run=getattr(stepping, self.run_name),
+            evaluate=stepping.evaluate,
+            link_forces=stepping.link_forces,
+        )
 
     @cached_property
     def _envelope(self) -> np.ndarray:

@@ -230,15 +230,24 @@ def through_joint(S, j, joint_is_free, articulated):
 def floating_base(S, articulated):
     """Compute the acceleration of body 0 from I^A a + p^A = 0, since nothing else holds it."""
     b = HEADER_ROWS
+    rotation, qx, qy = solved(articulated)
+    S[b + LINK_ACCELERATION] = rotation
+    S[b + QX] = qx
+    S[b + QY] = qy
+
+
+@kernel
+def solved(articulated):
+    """Return the acceleration a (rotation, x, y) for which I^A a + p^A = 0."""
     a00, a01, a02, a11, a12, a22, p0, p1, p2 = articulated
     determinant = a11 * a22 - a12 * a12  # eliminate the translations, which are well conditioned
     share = 1.0 / determinant  # a division takes as long as ten other operations
     x_1 = (a22 * a01 - a12 * a02) * share
     x_2 = (a11 * a02 - a12 * a01) * share
     rotation = -(p0 - x_1 * p1 - x_2 * p2) / (a00 - x_1 * a01 - x_2 * a02)
-    S[b + LINK_ACCELERATION] = rotation
-    S[b + QX] = (a12 * p2 - a22 * p1) * share - x_1 * rotation
-    S[b + QY] = (a12 * p1 - a11 * p2) * share - x_2 * rotation
+    qx = (a12 * p2 - a22 * p1) * share - x_1 * rotation
+    qy = (a12 * p1 - a11 * p2) * share - x_2 * rotation
+    return rotation, qx, qy
 
 
 @kernel

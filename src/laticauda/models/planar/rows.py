@@ -238,6 +238,15 @@ GIVE_Y = _body.take()
 LINK_ACCELERATION = _body.take()  # theta''
 QX = _body.take()  # acceleration of the tail end of this body
 QY = _body.take()
+# the shape, see `prescribed`: where all joints are prescribed, it depends on the time alone
+JOINT_COS = _body.take()  # of phi; 1 and 0 at body 0, which has no joint
+JOINT_SIN = _body.take()
+SHAPE_COS = _body.take()  # of the angle from body 0 to this body
+SHAPE_SIN = _body.take()
+ARM_T = _body.take()  # from the tail end of body 0 to that of this body, link axes [m]
+ARM_N = _body.take()
+# share of this body's direction in the way from the tail end of body 0 to the center of mass [m]
+MEAN_ARM = _body.take()
 # state of the joint at the start of a step, and the slope of its first stage
 SAVED_ANGLE = _body.take()
 SAVED_RATE = _body.take()

@@ -37,6 +37,7 @@ rows_of = lane_types.rows_of(_specialization["n_lanes"])
 loads = _specialization["loads"]
 recursion = _specialization["recursion"]
 drives = _specialization["drives"]
+prescribed = _specialization["prescribed"]
 
 combined = compile_scalar(stages.combined)
 column_of_joint = compile_scalar(sample_format.column_of_joint)
@@ -120,6 +121,58 @@ def run(
             finish_ros2(S, n, first_strip, first_plate, law, is_free, tail_link, has_extras, dt)
         else:
             finish_rk5(S, n, first_strip, first_plate, law, is_free, tail_link, has_extras, dt)
+    return written
+
+
+@entry
+def run_prescribed(
+    flat, n, first_strip, first_plate, law, tail_link, has_extras, implicit, steps, dt, every, log
+):
+    """Do what `run` does, for runs that `prescribed` can do; the numbers agree to rounding."""
+    S = rows_of(flat)
+    prescribed.prepare(S, n)
+    if loads.is_still(S):
+        return march_prescribed(S, n, law, tail_link, True, steps, dt, every, log)
+    return march_prescribed(S, n, law, tail_link, False, steps, dt, every, log)
+
+
+@kernel
+def march_prescribed(S, n, law, tail_link, is_still, steps, dt, every, log):
+    """Run RK5 as `run` does; the shape is that of the last stage's time."""
+    drives.set_decay(S, generator_step_of(RK5, dt))
+    drives.set_reference(S, n, law, tail_link)
+    shape = prescribed.compute_shape(S, n)
+    S[WELL] = 1.0
+    S[SAMPLES] = 0.0
+    written = 0
+    for step in range(steps + 1):
+        prescribed.accelerations(S, n, shape, is_still, True)
+        prescribed.holding_torques(S, n)
+        drives.count_work(S, n, law, 0.0 if step == 0 else work_step_of(RK5, dt))
+        if step % every == 0:
+            write_sample(S, n, rows_of(log[step // every]), log.shape[1])
+            S[WELL] = where(is_within_bounds(S, n), S[WELL], 0.0)
+            if not any_lane(S[WELL].real > 0.0):
+                break
+            S[SAMPLES] += S[WELL]
+            written += 1
+        if step == steps:
+            break
+        for r in range(BASE_ROWS):
+            S[SAVED + r] = S[HEADING + r]
+        for stage in range(RK5_STAGES - 1):
+            keep_slope(S, stage)
+            step_ahead(S, dt, WEIGHTS[stage], stage + 1)
+            if stage != SAME_TIME:
+                drives.advance_reference(S, n, law, tail_link, generator_step_of(RK5, dt))
+                shape = prescribed.compute_shape(S, n)
+            is_middle = stage == MIDDLE
+            prescribed.accelerations(S, n, shape, is_still, is_middle)
+            if is_middle:
+                prescribed.holding_torques(S, n)
+                drives.count_work(S, n, law, work_step_of(RK5, dt))
+        keep_slope(S, RK5_STAGES - 1)
+        step_ahead(S, dt, WEIGHTS[RK5_STAGES - 1], RK5_STAGES)
     return written
 
 

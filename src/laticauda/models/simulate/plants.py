@@ -6,7 +6,6 @@ from typing import Any, Unpack, cast
 from laticauda import scenarios
 from laticauda.models.dynamics.plant import Plant
 from laticauda.models.dynamics.school import School
-from laticauda.motion.joints import JointLaw
 from laticauda.robot import Environment, Ground, Robot, Water, law_of, load_robot
 from laticauda.scenarios import Command, Experiment, Model, ModelChanges, Planar, Scenario, Spatial
 from laticauda.values import BadArgument, check_instance, load_mujoco
@@ -104,12 +103,15 @@ def school_of(
     return school.School(cast(Any, plant), command, n, interval, threads=threads)
 
 
-def needs_compiling(environment: Environment, model: Model | str | None = None) -> bool:
+def needs_compiling(
+    environment: Environment, model: Model | str | None = None, robot: Robot | None = None
+) -> bool:
     """Return whether the first run in this environment will have to compile its kernels, which takes seconds.
 
     Args:
         environment: The water in which the robot swims, or the ground on which it crawls.
         model: The model or its name; None: planar.
+        robot: The robot; None: one without a fin.
 
     Raises:
         MissingExtra: If the model needs a package that is not installed.
@@ -121,18 +123,13 @@ def needs_compiling(environment: Environment, model: Model | str | None = None) 
 
         load_mujoco()
         return not is_kept(stepping(model.joints).run)
-    return _needs_compiling_in_plane(environment, model.joints)
+    from laticauda.models.planar.kernel_library import LibraryKernels
+    from laticauda.models.planar.model import PlanarPlant
 
-
-def _needs_compiling_in_plane(environment: Environment, joints: JointLaw) -> bool:
-    from laticauda.models.planar.kernel_library import find_run
-    from laticauda.models.planar.layout import flow_rows
-    from laticauda.models.planar.model import specialize
-
-    law = law_of(environment)
-    flow = flow_rows(environment).kinds
-    if not flow and find_run(law.formula, joints.own) is not None:
+    plant = PlanarPlant(robot=robot or load_robot("mamba"), environment=environment, settings=model)
+    kernels = plant.kernels_of(1)
+    if isinstance(kernels, LibraryKernels):
         return False
     from laticauda.compiling.templates import is_kept
 
-    return not is_kept(specialize(1, law, joints, flow).run)
+    return not is_kept(kernels.run)

@@ -1,0 +1,215 @@
+"""Accelerations and torques when all joints are prescribed, in still water or a uniform current, without extras.
+
+The same model as that of `recursion`, from the same loads. What only free joints need is left out,
+and what is known beforehand is computed once:
+
+- The *shape*, that is, how the bodies stand and move relative to body 0, the tail-most, depends on
+  the time alone: stages at the same time share it. So does the inertia of the stiff body about the
+  tail end of body 0 (`compute_shape`).
+- One pass over the bodies, from tail to head, with the velocities in registers, gives the bias force
+  of all of them (`accelerations`). A 3x3 solve follows, as in `recursion.floating_base`.
+
+Vectors are in axes of body 0 (base axes), or, with the endings _t and _n, in those of a body. Of
+body 0 the rows of the joint are those of a joint that stays straight. `S` and `b` are as in
+`recursion`.
+
+A template (see `templates`), loaded anew for every specialization of `loads`.
+"""
+
+# pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
+# pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false, reportWildcardImportFromLibrary=false
+# pyright: reportCallIssue=false, reportGeneralTypeIssues=false
+
+from laticauda.compiling import compile_scalar, kernel
+from laticauda.compiling.functions import sincos
+from laticauda.compiling.templates import bindings
+from laticauda.models.planar import number_types
+from laticauda.models.planar.rows import *
+from laticauda.models.planar.shape import Shape
+
+_specialization = bindings(__name__)
+loads = _specialization["loads"]
+recursion = _specialization["recursion"]
+zero_like = compile_scalar(number_types.zero_like)
+
+
+@kernel
+def prepare(S, n):
+    """Set the rows that do not change during a run."""
+    b = HEADER_ROWS
+    zero = zero_like(S[b + LENGTH])
+    S[b + JOINT_COS] = 1.0 + zero
+    S[b + JOINT_SIN] = zero
+    S[b + ANGLE] = zero
+    S[b + RATE] = zero
+    S[b + REFERENCE_2] = zero
+    ahead = zero
+    for k in range(n):
+        b = HEADER_ROWS + (n - 1 - k) * BODY_ROWS
+        S[b + MEAN_ARM] = S[b + FIRST_MOMENT_SHARE] + ahead * S[b + LENGTH]
+        ahead += S[b + MASS_SHARE]
+
+
+@kernel
+def turned(c, s, x, y):
+    """Return a vector in axes that are turned by an angle, given its cosine and sine."""
+    return c * x + s * y, c * y - s * x
+
+
+@kernel
+def compute_shape(S, n):
+    """Return the shape, from ANGLE, RATE and REFERENCE_2 of every joint; set the rows JOINT_COS to ARM_N."""
+    zero = zero_like(S[HEADING])
+    c, s = 1.0 + zero, zero
+    arm_t, arm_n = zero, zero
+    rate, acceleration = zero, zero
+    turn, turn_rate, turn_acceleration = zero, zero, zero
+    mean_x, mean_y, mean_vx, mean_vy, mean_ax, mean_ay = zero, zero, zero, zero, zero, zero
+    a00, a01, a02, a11, a12, a22 = zero, zero, zero, zero, zero, zero
+    for i in range(n):
+        b = HEADER_ROWS + i * BODY_ROWS
+        if i > 0:
+            bend, bend_rate, bend_acceleration = S[b + ANGLE], S[b + RATE], S[b + REFERENCE_2]
+            share = S[b + HEADING_SHARE]
+            turn += share * bend
+            turn_rate += share * bend_rate
+            turn_acceleration += share * bend_acceleration
+            rate += bend_rate
+            acceleration += bend_acceleration
+            joint_s, joint_c = sincos(bend)
+            S[b + JOINT_COS] = joint_c
+            S[b + JOINT_SIN] = joint_s
+            c, s = c * joint_c - s * joint_s, s * joint_c + c * joint_s
+            arm_t, arm_n = turned(joint_c, joint_s, arm_t + S[b - BODY_ROWS + LENGTH], arm_n)
+        S[b + SHAPE_COS] = c
+        S[b + SHAPE_SIN] = s
+        S[b + ARM_T] = arm_t
+        S[b + ARM_N] = arm_n
+        mean_arm = S[b + MEAN_ARM]
+        swing = mean_arm * rate
+        along, across = swing * rate, mean_arm * acceleration
+        mean_x += mean_arm * c
+        mean_y += mean_arm * s
+        mean_vx -= swing * s
+        mean_vy += swing * c
+        mean_ax -= across * s + along * c
+        mean_ay += across * c - along * s
+        mass_t, mass_n = S[b + MASS_T], S[b + MASS_N]
+        coupling = S[b + COUPLING]
+        of_rotation_t, of_rotation_n = -mass_t * arm_n, mass_n * arm_t + coupling
+        a00 += S[b + INERTIA] + coupling * arm_t + of_rotation_n * arm_t - of_rotation_t * arm_n
+        a01 += c * of_rotation_t - s * of_rotation_n
+        a02 += s * of_rotation_t + c * of_rotation_n
+        difference = (mass_n - mass_t) * s
+        a11 += mass_t + difference * s
+        a12 -= difference * c
+        a22 += mass_n - difference * s
+    return Shape(
+        turn,
+        turn_rate,
+        turn_acceleration,
+        mean_x,
+        mean_y,
+        mean_vx,
+        mean_vy,
+        mean_ax,
+        mean_ay,
+        a00,
+        a01,
+        a02,
+        a11,
+        a12,
+        a22,
+    )
+
+
+@kernel
+def accelerations(S, n, shape, is_still, keep_all):
+    """Compute the accelerations of heading and center of mass; with `keep_all` also what `holding_torques` needs."""
+    root_s, root_c = sincos(S[HEADING] - shape.turn)
+    spin = S[HEADING_RATE] - shape.turn_rate
+    v_x, v_y = turned(root_c, root_s, S[VX] - S[CURRENT_X], S[VY] - S[CURRENT_Y])
+    v_t = v_x - shape.mean_vx + spin * shape.mean_y
+    v_n = v_y - shape.mean_vy - spin * shape.mean_x
+    V_x, V_y = turned(root_c, root_s, S[CURRENT_X], S[CURRENT_Y])
+    zero = zero_like(spin)
+    rate, acceleration, a_t, a_n = spin, zero, zero, zero
+    p0, p1, p2 = zero, zero, zero
+    for i in range(n):
+        b = HEADER_ROWS + i * BODY_ROWS
+        joint_c, joint_s = S[b + JOINT_COS], S[b + JOINT_SIN]
+        v_t, v_n = turned(joint_c, joint_s, v_t, v_n)
+        a_t, a_n = turned(joint_c, joint_s, a_t, a_n)
+        rate += S[b + RATE]
+        acceleration += S[b + REFERENCE_2]
+        c, s = S[b + SHAPE_COS], S[b + SHAPE_SIN]
+        if is_still:
+            f_t, f_n, moment = loads.still_velocity_terms(S, b, v_t, v_n, rate)
+        else:
+            V_t, V_n = turned(c, s, V_x, V_y)
+            f_t, f_n, moment = loads.uniform_velocity_terms(S, b, V_t, V_n, v_t, v_n, rate)
+        x = S[b + CENTER + POSITION_OF]
+        drag_t, drag_n, drag_moment = loads.drag_at(S, b + CENTER, x, (v_t, v_n + x * rate, rate))
+        coupling = S[b + COUPLING]
+        square = rate * rate
+        g_t = S[b + MASS_T] * a_t - S[b + CENTRIPETAL] * square - (f_t + drag_t)
+        g_n = S[b + MASS_N] * a_n + coupling * acceleration - (f_n + drag_n)
+        g = S[b + INERTIA] * acceleration + coupling * a_n - (moment + drag_moment)
+        if keep_all:
+            S[b + P0] = g
+            S[b + P1] = g_t
+            S[b + P2] = g_n
+        p0 += g + S[b + ARM_T] * g_n - S[b + ARM_N] * g_t
+        p1 += c * g_t - s * g_n
+        p2 += s * g_t + c * g_n
+        length = S[b + LENGTH]
+        v_n += length * rate
+        a_t -= length * square
+        a_n += length * acceleration
+    _, _, _, _, _, _, _, _, _, a00, a01, a02, a11, a12, a22 = shape
+    rotation, q_x, q_y = recursion.solved((a00, a01, a02, a11, a12, a22, p0, p1, p2))
+    if keep_all:
+        S[HEADER_ROWS + LINK_ACCELERATION] = rotation
+        S[HEADER_ROWS + QX] = q_x
+        S[HEADER_ROWS + QY] = q_y
+    S[HEADING_ACCELERATION] = rotation + shape.turn_acceleration
+    square, twice = spin * spin, 2.0 * spin
+    c_x = (
+        q_x
+        + shape.mean_ax
+        - rotation * shape.mean_y
+        - twice * shape.mean_vy
+        - square * shape.mean_x
+    )
+    c_y = (
+        q_y
+        + shape.mean_ay
+        + rotation * shape.mean_x
+        + twice * shape.mean_vx
+        - square * shape.mean_y
+    )
+    S[AX], S[AY] = turned(root_c, -root_s, c_x, c_y)
+
+
+@kernel
+def holding_torques(S, n):
+    """Compute TOTAL_TORQUE of every joint, after `accelerations` with `keep_all`.
+
+    It is the moment about the joint of all bodies ahead.
+    """
+    b = HEADER_ROWS
+    spin, q_x, q_y = S[b + LINK_ACCELERATION], S[b + QX], S[b + QY]
+    zero = zero_like(spin)
+    moment, f_t, f_n = zero, zero, zero
+    for k in range(n - 1):
+        b = HEADER_ROWS + (n - 1 - k) * BODY_ROWS
+        a_t, a_n = turned(S[b + SHAPE_COS], S[b + SHAPE_SIN], q_x, q_y)
+        a_t -= S[b + ARM_N] * spin
+        a_n += S[b + ARM_T] * spin
+        coupling = S[b + COUPLING]
+        moment += S[b + LENGTH] * f_n  # the force of the bodies ahead acts at the head end
+        moment += S[b + P0] + S[b + INERTIA] * spin + coupling * a_n
+        f_t += S[b + P1] + S[b + MASS_T] * a_t
+        f_n += S[b + P2] + S[b + MASS_N] * a_n + coupling * spin
+        S[b + TOTAL_TORQUE] = moment
+        f_t, f_n = turned(S[b + JOINT_COS], -S[b + JOINT_SIN], f_t, f_n)
