@@ -12,7 +12,7 @@ from laticauda.robot import Thruster
 from laticauda.scenarios import Controller, Resumed, load_scenario
 from laticauda.values import BadArgument
 from laticauda_ardupilot import Battery, Mixing, Vehicle, load_mixing
-from laticauda_ardupilot.attitude import euler_angles, mean_rotation, rotation_vector
+from laticauda_ardupilot.attitude import euler_angles
 from laticauda_ardupilot.channels import Amplitude, Frequency, Offset, Thrust
 from laticauda_ardupilot.mixing import FILES
 
@@ -67,7 +67,7 @@ def test_a_run_is_that_of_swim_under_the_same_commands_bit_for_bit(which):
     for pwm in pulses(N_FRAMES):
         vehicle.step(pwm, 1 / RATE)
         commands.append(vehicle.command)
-        observation = vehicle.plant.observe(vehicle.state)
+        observation = vehicle.robot.plant.observe(vehicle.robot.state)
         times.append(observation.time)
         places.append(observation.center_of_mass)
     played = replace(
@@ -79,7 +79,7 @@ def test_a_run_is_that_of_swim_under_the_same_commands_bit_for_bit(which):
     trial = lc.swim(played)
     assert np.array_equal(trial.time[1:], times)
     assert np.array_equal(trial.center_of_mass[1:], places)
-    for name, values in vehicle.plant.pack(vehicle.state).items():
+    for name, values in vehicle.robot.plant.pack(vehicle.robot.state).items():
         assert np.array_equal(trial.state[name], values), name
     assert np.ptp(places, axis=0).max() > 1e-3
 
@@ -148,17 +148,6 @@ def turned_by(vector):
     return np.eye(3) + math.sin(angle) * cross + (1.0 - math.cos(angle)) * cross @ cross
 
 
-def test_a_rotation_vector_is_the_inverse_of_rodrigues_also_for_tiny_turns():
-    for size in (1e-10, 1e-3, 1.0, 3.0):
-        vector = size * np.array([0.6, -0.64, 0.48])
-        assert rotation_vector(turned_by(vector)) == pytest.approx(vector, rel=1e-6)
-
-
-def test_the_body_as_a_whole_points_where_its_modules_point_on_average():
-    bent = np.stack([turned_by(np.array([0.0, 0.0, angle])) for angle in (-0.4, 0.1, 0.6)])
-    assert mean_rotation(bent) == pytest.approx(turned_by(np.array([0.0, 0.0, 0.1])))
-
-
 def test_depth_is_counted_from_the_surface_of_the_scene_and_rays_are_rangefinders():
     scenario = load_scenario(FILES / "eel.toml")
     scene = Pegs()
@@ -171,7 +160,7 @@ def test_depth_is_counted_from_the_surface_of_the_scene_and_rays_are_rangefinder
     assert reading.position[2] == pytest.approx(
         0.52, abs=1e-3
     )  # the ballast is 2 cm below the axis
-    ranges = vehicle.plant.observe(vehicle.state).ranges
+    ranges = vehicle.robot.plant.observe(vehicle.robot.state).ranges
     assert reading.ranges == tuple(ranges.tolist())
 
 

@@ -1,0 +1,106 @@
+"""A scenario that another program steps, with its own commands, and sees as a vehicle with sensors."""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+from laticauda.connect.vehicle_motion import (
+    Inertial,
+    MotionTracker,
+    VehicleMotion,
+    measure_inertial,
+)
+from laticauda.models import simulate
+from laticauda.scenarios import Command, Scenario, Spatial, Start
+from laticauda.values import BadArgument, Log, SimulationFailed
+
+
+@dataclass(frozen=True, kw_only=True)
+class VehicleStep:
+    """What sensors tell at the end of a step."""
+
+    motion: VehicleMotion
+    """Place, attitude and velocity of the body as a whole, or of its head."""
+    inertial: Inertial
+    """Means of the inertial unit over the step."""
+    ranges: tuple[float, ...]
+    """Distance along every ray of the head, infinite if nothing is hit [m]."""
+    power: float
+    """Power that joints and electronics drew, on average; thrusters draw none [W]."""
+    log: Log
+    """Samples at the begin and at the end of the step."""
+
+
+class Vehicle:
+    """A robot in its scenario, at its start until the first step.
+
+    Args:
+        scenario: Robot, water, model and start; of its motion, only the gait counts.
+        of_head: Whether attitude and place are those of the head, or of the body as a whole.
+
+    Raises:
+        ValueError: If the scenario cannot be stepped from outside.
+    """
+
+    def __init__(self, scenario: Scenario, *, of_head: bool = False) -> None:
+        _check(scenario)
+        self.plant: Any = simulate.build_plant(scenario)
+        """The plant that is stepped."""
+        self.scenario = replace(scenario, robot=self.plant.robot, model=self.plant.settings)
+        """The scenario, with robot and model as they are simulated."""
+        self._tracker = MotionTracker(self.scenario, of_head=of_head)
+        self._has_rays = isinstance(scenario.model, Spatial) and bool(scenario.model.rays)
+        self.reset()
+
+    def reset(self) -> None:
+        """Put the robot back to its start."""
+        self.state: Any = self.plant.init(self.scenario.start, Command(gait=self.scenario.gait))
+        """State of the plant."""
+        self._motion: VehicleMotion | None = None
+
+    def step(self, command: Command, duration: float) -> VehicleStep:
+        """Hold a command for some time, and return what sensors tell at its end.
+
+        Args:
+            command: The command.
+            duration: Duration [s].
+
+        Raises:
+            ValueError: If the robot cannot follow the command.
+            SimulationFailed: If the motion diverged.
+        """
+        advance = self.plant.advance(self.state, command, duration, duration)
+        if advance.failure is not None:
+            raise SimulationFailed(advance.failure)
+        self.state = advance.state
+        log = self.plant.log([advance.stretch])
+        before = self._motion or self._tracker.motion(log, 0)
+        self._motion = self._tracker.motion(log, -1, before)
+        ranges: tuple[float, ...] = ()
+        if self._has_rays:
+            ranges = tuple(self.plant.observe(self.state).ranges.tolist())
+        return VehicleStep(
+            motion=self._motion,
+            inertial=measure_inertial(before, self._motion),
+            ranges=ranges,
+            power=self._drawn_power(log, duration),
+            log=log,
+        )
+
+    def _drawn_power(self, log: Log, duration: float) -> float:
+        """Return the power drawn in a step: by the power model, else by the joints, and by the electronics [W]."""
+        work = log.electrical_work
+        if work is None:
+            work = log.work[:, 0]
+        power = float(work[-1] - work[0]) / duration
+        return power + (self.plant.robot.electronics_power or 0.0)
+
+
+def _check(scenario: Scenario) -> None:
+    """Reject a scenario that cannot be stepped from outside."""
+    delay = scenario.model.loop_delay
+    if delay > 0.0:
+        rule = "must be 0: the program that steps the robot brings the delay of its own loop"
+        raise BadArgument("model.loop_delay", f"{rule}; got {delay:g} s")
+    if not isinstance(scenario.start, Start):
+        rule = "must be a start at rest or with a speed, to which a reset can return"
+        raise BadArgument("start", f"{rule}; got the end of another run")
