@@ -6,6 +6,9 @@ What do the kernels of the planar model give for mean thrust, side force and mom
     python campaigns/edge_map.py                  # the table, ten seconds
     python campaigns/edge_map.py --figure docs/images/edge-map.png
 
+`edge_map_behind.csv` is the same for plates that have another one, flat and lower or as high, rigidly
+ahead of their root; moments are about that root.
+
 `edge_map.csv` is the lattice's answer, to which nothing was fitted: vortex rings, harmonic in time, a straight wake,
 full suction at the leading edge (thrust by the energy balance in the far wake), extrapolated in the number of rings.
 rho = u = h = 1, z = Re[(a + s x) exp(i omega t)] with x aft from the root; `heave` a = 1, `pitchLE` s = 1, `swim` both,
@@ -26,6 +29,7 @@ from laticauda.models.planar.model import PlanarPlant
 from laticauda.robot import CaudalFin, Module, Robot, Section, Water
 
 STORED = Path(__file__).with_suffix(".csv")
+STORED_BEHIND = Path(__file__).with_name("edge_map_behind.csv")
 PHASES = 2.0 * np.pi * np.arange(16) / 16.0
 """Moments of a cycle; means of squares are exact."""
 SMALL = 1e-9
@@ -56,18 +60,27 @@ class RigidPlate:
     Args:
         aspect: h/c [-].
         edge: Law of its trailing edge.
+        ahead: Length and height of a plate ahead of its root [m]; None for none.
     """
 
-    def __init__(self, aspect: float, edge: Edge = "finite-span") -> None:
+    def __init__(
+        self,
+        aspect: float,
+        edge: Edge = "finite-span",
+        ahead: tuple[float, float] | None = None,
+    ) -> None:
         chord = 1.0 / aspect
         fin = CaudalFin(length=chord, height=1.0, opening_length=0.0, thickness=SMALL, density=1e-3)
-        section = Section(half_height=1e-6, half_width=1e-6)
-        link = Module(length=1e-3, mass=SMALL, inertia=SMALL, section=section)
+        length, height = ahead or (1e-3, 2e-6)
+        section = Section(half_height=0.5 * height, half_width=0.05 * height)
+        link = Module(length=length, mass=SMALL, inertia=SMALL, section=section)
         water = Water(
             density=1.0,
             tangential_friction=0.0,
             normal_drag=0.0,
             added_mass=1.0,
+            plate_drag=None if ahead is None else 0.0,
+            plate_added_mass=None if ahead is None else 1.0,
             added_mass_form="kirchhoff",
             trailing_edge=edge,
             rotational="strip",
@@ -138,21 +151,40 @@ def errors(edge: Edge = "finite-span") -> list[Point]:
     points: list[Point] = []
     for aspect, group in groupby(lattice, key=lambda row: float(row["h_over_c"])):
         plate = RigidPlate(aspect, edge)
-        for row in group:
-            omega = float(row["omega_h_over_u"])
-            thrust, side, moment = plate.respond(omega, *motion_of(row["motion"], omega))
-            given = float(row["thrust_mean"])
-            size = max(abs(given), 0.25 * abs(float(row["power_in_mean"])))
-            point = Point(
-                aspect=aspect,
-                frequency=omega,
-                motion=row["motion"],
-                thrust=abs(thrust - given) / size,
-                side=relative_error(side, row, "side"),
-                moment=relative_error(moment, row, "moment_LE"),
-            )
-            points.append(point)
+        points += [compare(plate, aspect, row, "moment_LE") for row in group]
     return points
+
+
+def errors_behind(edge: Edge = "finite-span") -> list[Point]:
+    """Return the errors of a law for plates behind other plates."""
+    lattice = csv.DictReader(STORED_BEHIND.read_text(encoding="utf-8").splitlines())
+    points: list[Point] = []
+    for shape, group in groupby(lattice, key=shape_of):
+        aspect, length, height = shape
+        plate = RigidPlate(aspect, edge, (length, height))
+        points += [compare(plate, aspect, row, "moment_root") for row in group]
+    return points
+
+
+def shape_of(row: dict[str, str]) -> tuple[float, float, float]:
+    """Return h/c of a plate, and length and height of the one ahead over h."""
+    return float(row["h_over_c"]), float(row["length_ahead"]), float(row["height_ahead"])
+
+
+def compare(plate: RigidPlate, aspect: float, row: dict[str, str], moment_name: str) -> Point:
+    """Return the errors of a plate at one point of the lattice's answer."""
+    omega = float(row["omega_h_over_u"])
+    thrust, side, moment = plate.respond(omega, *motion_of(row["motion"], omega))
+    given = float(row["thrust_mean"])
+    size = max(abs(given), 0.25 * abs(float(row["power_in_mean"])))
+    return Point(
+        aspect=aspect,
+        frequency=omega,
+        motion=row["motion"],
+        thrust=abs(thrust - given) / size,
+        side=relative_error(side, row, "side"),
+        moment=relative_error(moment, row, moment_name),
+    )
 
 
 def relative_error(value: complex, row: dict[str, str], name: str) -> float:
@@ -196,13 +228,15 @@ def main() -> None:
     options = parser.parse_args()
     edges: tuple[Edge, ...] = ("elongated", "finite-span")
     print(
-        f"{'law':12} {'thrust: mean':>12} {'most':>6}   side: mean, most   moment: mean, most [%]"
+        f"{'law':20} {'thrust: mean':>12} {'most':>6}   side: mean, most   moment: mean, most [%]"
     )
-    for edge in edges:
-        table = 100.0 * np.array([point[3:] for point in errors(edge)])
+    tables = {edge: errors(edge) for edge in edges}
+    tables |= {f"{edge}, behind": errors_behind(edge) for edge in edges}
+    for name, points in tables.items():
+        table = 100.0 * np.array([point[3:] for point in points])
         (thrust, side, moment), most = table.mean(axis=0), table.max(axis=0)
         print(
-            f"{edge:12} {thrust:12.1f} {most[0]:6.0f} {side:8.1f} {most[1]:8.0f} {moment:12.1f} {most[2]:8.0f}"
+            f"{name:20} {thrust:12.1f} {most[0]:6.0f} {side:8.1f} {most[1]:8.0f} {moment:12.1f} {most[2]:8.0f}"
         )
     if options.figure:
         figure(options.figure)

@@ -3,7 +3,8 @@
 The joints do what markers on the tail say (`tendon_fish.csv`: a harmonic of every joint, tail
 first), prescribed; the water is the textbook's. What comes out stands beside the speed of the head
 in the same videos, the incidence of the fin, and models without hydrodynamics. The first rows go, step by
-step, from the water and the robot before fins were plates and the bars were there.
+step, from the water and the robot before fins were plates, the bars were there, and the fin had its silhouette
+behind the plates of the tail.
 
     python campaigns/tendon_fish.py                     the table
     python campaigns/tendon_fish.py --markers FOLDER    make tendon_fish.csv anew from the source's Data/Markers
@@ -23,7 +24,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 import laticauda as lc
-from laticauda.robot import textbook_water
+from laticauda.robot import CaudalFin, textbook_water
 
 TABLE = Path(__file__).with_suffix(".csv")
 VIDEOS = ("0_50", "0_75", "1_00", "1_25", "1_75")
@@ -83,18 +84,47 @@ def gait(swim: Swim) -> lc.Gait:
     return lc.recorded_gait(lc.JointAngles(time=tuple(time), angle=tuple(map(tuple, angle))))
 
 
-def textbook(swim: Swim, **changes: Any) -> lc.Water:
+def textbook(swim: Swim, robot: lc.Robot | str = "tendon-fish", **changes: Any) -> lc.Water:
     """Coefficients from tables for its shape at its speed; `changes` are fields of the water."""
-    return replace(textbook_water(lc.load_robot("tendon-fish"), speed=swim.speed).water, **changes)
+    shape = lc.load_robot(robot) if isinstance(robot, str) else robot
+    return replace(textbook_water(shape, speed=swim.speed).water, **changes)
 
 
 AS_A_BODY = {"plate_drag": None, "plate_added_mass": None}
 """Changes of the water with which the fin and the flat tail have the coefficients of the box-shaped body."""
 
 
+GAP = 1e-6
+"""An opening ahead of a fin, so small that it only makes its leading edge free [m]."""
+
+
+def with_rectangle() -> lc.Robot:
+    """The robot with a free rectangular fin of the same area at a longer last link."""
+    fish = lc.load_robot("tendon-fish")
+    fin = CaudalFin(
+        length=0.0365, height=0.203, thickness=0.002, density=1350.0, opening_length=GAP
+    )
+    tail = replace(fish.modules[0], length=0.04)
+    bar = replace(fish.drag_areas[0], x=0.005)
+    return replace(
+        fish,
+        modules=(tail, *fish.modules[1:]),
+        drag_areas=(bar, *fish.drag_areas[1:]),
+        caudal_fin=fin,
+    )
+
+
+def with_free_fin() -> lc.Robot:
+    """The robot whose fin has its silhouette, but a free leading edge as well: a joint turns it, which stays still."""
+    fish = lc.load_robot("tendon-fish")
+    fin = fish.caudal_fin
+    assert fin is not None
+    return replace(fish, caudal_fin=replace(fin, joint=lc.robot.Joint()))
+
+
 def without_bars() -> lc.Robot:
-    """The robot without the five bars across its tail."""
-    return replace(lc.load_robot("tendon-fish"), drag_areas=())
+    """That robot without the five bars across its tail."""
+    return replace(with_rectangle(), drag_areas=())
 
 
 def swum(swim: Swim, water: lc.Water, robot: lc.Robot | str = "tendon-fish") -> lc.Trial:
@@ -217,8 +247,10 @@ def main() -> None:
     ways: dict[str, tuple[lc.Robot | str, dict[str, Any]]] = {
         "fin as body, no bars": (without_bars(), {"trailing_edge": "elongated", **AS_A_BODY}),
         "plates": (without_bars(), {"trailing_edge": "elongated"}),
-        "plates and bars": ("tendon-fish", {"trailing_edge": "elongated"}),
-        "textbook": ("tendon-fish", {}),
+        "plates and bars": (with_rectangle(), {"trailing_edge": "elongated"}),
+        "law of a finite span": (with_rectangle(), {}),
+        "silhouette": (with_free_fin(), {}),
+        "textbook: one plate with the tail": ("tendon-fish", {}),
         "suction of at most 0.2": ("tendon-fish", {"edge_clip": 0.2}),
         "suction of at most 0.1": ("tendon-fish", {"edge_clip": 0.1}),
         "textbook, beta 0": ("tendon-fish", {"drag": lc.TotalSpeedDrag(beta=0.0)}),
@@ -227,7 +259,7 @@ def main() -> None:
     }
     found: dict[str, list[float]] = {}
     for name, (robot, changes) in ways.items():
-        trials = [swum(one, textbook(one, **changes), robot) for one in rows]
+        trials = [swum(one, textbook(one, robot, **changes), robot) for one in rows]
         found[name] = [steady_speed(one, trial) for one, trial in zip(rows, trials, strict=True)]
         incidences = [f"{np.degrees(trial.edge_incidence):.0f} deg" for trial in trials]
         print(f"{f'incidence: {name}':34}" + "".join(f"{angle:>18}" for angle in incidences))

@@ -7,9 +7,10 @@ import pytest
 
 import laticauda as lc
 from laticauda.models.simulate import intervals_of
-from laticauda.robot import CaudalFin, Robot, textbook_water
+from laticauda.robot import CaudalFin, Joint, Robot, Section, fin_plate, textbook_water
+from laticauda.robot.body import is_flat
 from laticauda.robot.hydrodynamics import link_coefficients, wake_mass
-from laticauda.robot.plates import is_flat, plate_of_fin, plates_of_modules
+from laticauda.robot.plates import plate_of_fin, plates_of_modules
 from laticauda.water.fluid.edges import plate_functions
 from laticauda.water.plates import plate_drag
 
@@ -31,10 +32,10 @@ def flat(robot: Robot) -> Robot:
 
 
 def test_a_fin_has_drag_and_added_mass_of_a_plate_of_its_height_and_length():
-    fin = FISH.caudal_fin
-    assert fin is not None
-    bare = replace(FISH, caudal_fin=replace(fin, normal_drag=None, added_mass=None))
-    strips = link_coefficients(bare, PLATES).fin
+    fin = CaudalFin(length=0.0365, height=0.203, opening_length=0.0)
+    rod = replace(FISH.modules[0], section=Section(half_height=0.01, half_width=0.01))
+    free = replace(FISH, modules=(rod, *FISH.modules[1:]), caudal_fin=fin)
+    strips = link_coefficients(free, PLATES).fin
     area = fin.height * fin.length
     assert strips.c_n.sum() == pytest.approx(500.0 * plate_drag(0.203, 0.0365) * area)
     slender = 1000.0 * np.pi * 0.203**2 / 4.0 * 0.0365
@@ -42,17 +43,37 @@ def test_a_fin_has_drag_and_added_mass_of_a_plate_of_its_height_and_length():
     assert strips.mu_n.sum() == pytest.approx(0.193, rel=0.01)  # [kg]; a slender one has 1.18
 
 
+def test_the_fish_has_the_fin_of_its_source_behind_the_plates_of_its_tail():
+    fin, plate = FISH.caudal_fin, fin_plate(FISH)
+    assert fin.area == pytest.approx(0.007542, rel=0.003)  # of the mesh [m^2]
+    assert fin.mass == pytest.approx(0.010, rel=0.001)
+    assert FISH.reach == pytest.approx(0.077 + 0.4824, abs=1e-3)  # from the nose to the tips
+    free = fin_plate(replace(FISH, caudal_fin=replace(fin, joint=Joint())))
+    assert plate.lift == pytest.approx(0.571, abs=0.005)
+    assert free.lift == pytest.approx(0.482, abs=0.005)
+    assert 1000.0 * np.pi * 0.203**2 / 4.0 * free.mass == pytest.approx(0.208, rel=0.01)  # [kg]
+    np.testing.assert_allclose(
+        link_coefficients(FISH, PLATES).fin.c_n.sum(),
+        0.5 * 1000.0 * fin.area * plate_drag(0.203, fin.area / 0.203),
+        rtol=0.02,
+    )
+
+
 def test_the_law_of_a_finite_span_takes_off_what_the_span_does_only_once():
     finite = replace(PLATES, trailing_edge="finite-span")
     elongated = replace(PLATES, trailing_edge="elongated")
-    ours, theirs = (link_coefficients(FISH, water).fin.mu_n for water in (finite, elongated))
-    np.testing.assert_allclose(ours, theirs, rtol=1e-12)
+    for fin in (CaudalFin(opening_length=0.0, height=0.2, length=0.06), CaudalFin()):
+        robot = replace(MAMBA_FIN, caudal_fin=fin)
+        ours, theirs = (link_coefficients(robot, water).fin.mu_n for water in (finite, elongated))
+        assert ours.sum() == pytest.approx(theirs.sum(), rel=1e-12)
 
 
 def test_an_open_opening_is_no_part_of_the_plate_and_a_closed_one_is():
-    opened, closed = CaudalFin(), CaudalFin(opening="closed")
-    assert plate_of_fin(opened).added_mass == pytest.approx(share_of(0.09 / 0.38))
-    assert plate_of_fin(closed).added_mass == pytest.approx(share_of(0.09 / 0.5))
+    opened = plate_of_fin(MAMBA_FIN)
+    closed = plate_of_fin(replace(MAMBA_FIN, caudal_fin=CaudalFin(opening="closed")))
+    assert opened.added_mass == pytest.approx(share_of(0.09 / 0.38))
+    # It adjoins the body: one free end.
+    assert closed.added_mass == pytest.approx(0.5 * (1.0 + share_of(0.09 / 0.5)), rel=0.01)
 
 
 def test_flat_modules_in_a_row_are_one_plate_whose_closed_ends_carry_all():
@@ -61,10 +82,11 @@ def test_flat_modules_in_a_row_are_one_plate_whose_closed_ends_carry_all():
     assert plates[5] is None
     assert plates[:5] == (plates[0],) * 5
     assert plates[0].added_mass == 1.0  # fin behind, body ahead
-    height = sum(2.0 * m.section.half_height * m.length for m in FISH.modules[:5]) / 0.156
-    assert plates[0].drag == pytest.approx(plate_drag(height, 0.156))
+    length = sum(m.length for m in FISH.modules[:5])
+    height = sum(2.0 * m.section.half_height * m.length for m in FISH.modules[:5]) / length
+    assert plates[0].drag == pytest.approx(plate_drag(height, length))
     free = plates_of_modules(replace(FISH, caudal_fin=None))[0]
-    lacking = 1.0 - share_of(height / 0.156)
+    lacking = 1.0 - share_of(height / length)
     assert free.added_mass == pytest.approx(1.0 - 0.5 * lacking)
     both = plates_of_modules(flat(FISH))[0]
     assert both.added_mass == pytest.approx(1.0 - lacking)

@@ -92,6 +92,7 @@ if TYPE_CHECKING:
         to_quaternion as to_quaternion,
         turn as turn,
     )
+    from laticauda.robot.silhouettes import FinPlate as FinPlate, fin_plate as fin_plate
 
 __getattr__, __dir__, __all__ = lazy_exports(
     __name__,
@@ -173,6 +174,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "adjust",
             "read_adjustments",
         ],
+        "laticauda.robot.silhouettes": ["FinPlate", "fin_plate"],
     },
     renamed={"coefficients": "describe_coefficients", "summary": "summarize_robot"},
 )

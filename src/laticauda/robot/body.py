@@ -177,6 +177,19 @@ class Module:
         return self.section.area * self.length
 
 
+FLAT = 0.1
+"""A module is flat if its section is at most so wide as it is high [-]."""
+
+
+def is_flat(module: Module) -> bool:
+    """Return whether a module is a thin upright plate.
+
+    Args:
+        module: The module.
+    """
+    return module.section.half_width <= FLAT * module.section.half_height
+
+
 @dataclass(frozen=True, kw_only=True)
 class Reduction:
     """Assignment of modules to links, and their positions in the links."""

@@ -9,6 +9,7 @@ from typing import Any, ClassVar, Literal, TypeAlias
 import numpy as np
 
 from laticauda.robot.robot import Robot
+from laticauda.robot.silhouettes import fin_plate
 from laticauda.values import (
     BadArgument,
     Extensible,
@@ -314,8 +315,8 @@ def _check_clip(robot: Robot, water: Water) -> None:
     """Reject a limit of the suction of a leading edge for a body, or a slender fin, that has none of its own."""
     if water.edge_clip is None:
         return
-    fin = robot.caudal_fin
-    if fin is None or plate_functions(fin.height / fin.length).lift >= SLENDER:
+    plate = fin_plate(robot)
+    if plate is None or plate.lift >= SLENDER:
         raise BadArgument(
             "edge_clip",
             f"must be None for robot `{robot.name}`, whose trailing edge ends a slender body: no flow "

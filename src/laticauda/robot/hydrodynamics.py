@@ -38,7 +38,7 @@ from jaxtyping import Float
 
 from laticauda.robot import CaudalFin, Environment, Ground, Module, Robot, Water
 from laticauda.robot.plates import PlateCoefficients, plate_of_fin, plates_of_modules
-from laticauda.robot.silhouettes import fin_plate, strip_heights
+from laticauda.robot.silhouettes import FinPlate, fin_plate, strip_heights
 from laticauda.values import BadArgument, explain
 from laticauda.water.fluid.edges import NO_CAP, Plate
 
@@ -118,7 +118,7 @@ def link_coefficients(robot: Robot, environment: Environment) -> Coefficients:
             _loads_in_water(robot, half_length, environment),
             environment.density,
         )
-        strips = _fin_in_water(fin, environment) if fin else None
+        strips = _fin_in_water(robot, fin, environment) if fin else None
         areas = _areas_in_water(robot, environment)
     links = _coefficients(half_length, half_length, mass, loads, density * volume, strips)
     return replace(links, areas=areas)
@@ -172,7 +172,7 @@ def wake_mass(robot: Robot, water: Water) -> float:
     fin, tail = robot.caudal_fin, robot.modules[0]
     if fin is not None:
         half_height = fin.height / 2.0
-        coefficient = added_mass_of_fin(fin, water)
+        coefficient = added_mass_of_fin(robot, water)
     else:
         half_height = tail.section.half_height
         coefficient = added_mass_of_module(tail, plates_of_modules(robot)[0], water)
@@ -180,30 +180,36 @@ def wake_mass(robot: Robot, water: Water) -> float:
     return mass * immersion_factor(half_height, water.depth)
 
 
-def added_mass_of_fin(fin: CaudalFin, water: Water) -> float | None:
-    """Return C_A of a fin: its own, or that of a plate; None for the water's [-].
+def added_mass_of_fin(robot: Robot, water: Water) -> float | None:
+    """Return C_A of a robot's fin: its own, or that of a plate; None for the water's [-].
 
     Args:
-        fin: The fin.
+        robot: The robot.
         water: Water that defines whether fins are plates.
     """
-    if fin.added_mass is not None or water.plate_added_mass is None:
-        return fin.added_mass
+    fin = robot.caudal_fin
+    own = None if fin is None else fin.added_mass
+    if own is not None or water.plate_added_mass is None:
+        return own
     if water.trailing_edge == "finite-span":
         return water.plate_added_mass  # of a slender plate: the law takes the span into account
-    return water.plate_added_mass * plate_of_fin(fin).added_mass
+    plate = plate_of_fin(robot)
+    return None if plate is None else water.plate_added_mass * plate.added_mass
 
 
-def drag_of_fin(fin: CaudalFin, water: Water) -> float:
-    """Return C_D of a fin: its own, that of a plate, or the water's [-].
+def drag_of_fin(robot: Robot, water: Water) -> float:
+    """Return C_D of a robot's fin: its own, that of a plate, or the water's [-].
 
     Args:
-        fin: The fin.
+        robot: The robot.
         water: Water that defines C_D and whether fins are plates.
     """
-    if fin.normal_drag is not None or water.plate_drag is None:
-        return override_or_default(fin.normal_drag, water.normal_drag)
-    return water.plate_drag * plate_of_fin(fin).drag
+    fin = robot.caudal_fin
+    own = None if fin is None else fin.normal_drag
+    plate = plate_of_fin(robot)
+    if own is not None or plate is None or water.plate_drag is None:
+        return override_or_default(own, water.normal_drag)
+    return water.plate_drag * plate.drag
 
 
 def added_mass_of_module(
@@ -251,11 +257,10 @@ def fin_edge(robot: Robot, water: Water) -> FinEdge | None:
         robot: The robot that swims.
         water: Water that defines the law, density, depth, and C_A unless the fin has its own.
     """
-    fin = robot.caudal_fin
-    if fin is None or water.trailing_edge != "finite-span":
+    plate = fin_plate(robot)
+    if plate is None or water.trailing_edge != "finite-span":
         return None
     mass_per_length = wake_mass(robot, water)
-    plate = fin_plate(fin)
     numbers = Plate(
         lift_mass=plate.lift * mass_per_length,
         added_mass=plate.mass * mass_per_length,
@@ -337,16 +342,16 @@ def _link_loads(
     return (c_t, c_n, mu_t, mu_n, *lambdas)
 
 
-def _fin_in_water(fin: CaudalFin, water: Water) -> Coefficients:
+def _fin_in_water(robot: Robot, fin: CaudalFin, water: Water) -> Coefficients:
     edges = _strip_edges(fin, closed=fin.opening == "closed")
     d, h, rho = np.diff(edges), fin.height, water.density
     heights = strip_heights(fin, edges)
     zero = np.zeros_like(d)
-    mu_n = mass_across(added_mass_of_fin(fin, water), h / 2.0, water) * d
+    mu_n = mass_across(added_mass_of_fin(robot, water), h / 2.0, water) * d
     mu_n *= immersion_factor(h / 2.0, water.depth)
     mass_per_length = float(mu_n.sum() / d.sum())
     mu_n *= (heights / h) ** 2
-    c_n = 0.5 * rho * drag_of_fin(fin, water) * heights * d
+    c_n = 0.5 * rho * drag_of_fin(robot, water) * heights * d
     c_t = (
         0.5
         * rho
@@ -358,8 +363,9 @@ def _fin_in_water(fin: CaudalFin, water: Water) -> Coefficients:
     lambdas = (
         _strip_lambdas(mu_n, c_n, d / 2.0) if water.rotational == "strip" else (zero, zero, zero)
     )
-    if water.trailing_edge == "finite-span":
-        mu_n, lambda_1 = _spread_added_mass(fin, edges, heights, mass_per_length)
+    plate = fin_plate(robot)
+    if plate is not None and water.trailing_edge == "finite-span":
+        mu_n, lambda_1 = _spread_added_mass(plate, edges, heights, mass_per_length)
         lambdas = (lambda_1, *lambdas[1:])
     return _strips(fin, edges, (c_t, c_n, zero, mu_n, *lambdas), rho)
 
@@ -377,7 +383,7 @@ def _areas_in_water(robot: Robot, water: Water) -> Coefficients | None:
 
 
 def _spread_added_mass(
-    fin: CaudalFin, edges: np.ndarray, heights: np.ndarray, mass_per_length: float
+    plate: FinPlate, edges: np.ndarray, heights: np.ndarray, mass_per_length: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return added mass and inertia of the strips of a fin of finite span, from m' of a slender plate of its height.
 
@@ -386,18 +392,38 @@ def _spread_added_mass(
     The inertia of a strip is what the plate's moment of inertia lacks beyond that of the strips' masses;
     it is negative where the water near the ends of the plate moves less than that in its middle.
     """
-    plate = fin_plate(fin)
     shares = heights**2 * np.diff(edges)
-    shares = shares / shares.sum()
     arm = 0.5 * (edges[:-1] + edges[1:]) - plate.center
-    offset = float(shares @ arm)
-    if abs(offset) > SMALLEST_OFFSET * fin.length:
-        spread = float(shares @ (arm - offset) ** 2)
-        shares = shares * (1.0 - offset * (arm - offset) / spread)
+    shares = _center(shares / shares.sum(), arm, negligible=SMALLEST_OFFSET * float(edges[-1]))
     mu_n = plate.mass * mass_per_length * shares
     whole = plate.inertia * mass_per_length
     lacking = whole - mu_n @ (arm * arm)
     return mu_n, np.full_like(mu_n, lacking / mu_n.size)
+
+
+def _center(shares: np.ndarray, arm: np.ndarray, *, negligible: float) -> np.ndarray:
+    """Return shares whose mean arm is 0: tilted, as far as none becomes negative, and then moved to the nearer end.
+
+    Args:
+        shares: Shares of the whole, in the order of the arms.
+        arm: Increasing distances from the center that is wanted.
+        negligible: Offset of the center that may stay.
+    """
+    offset = float(shares @ arm)
+    if abs(offset) <= negligible:
+        return shares
+    lever = arm - offset
+    tilt = offset / float(shares @ (lever * lever))
+    steepest = 1.0 / float(np.max(lever * np.sign(offset)))
+    shares = shares * (1.0 - np.clip(tilt, -steepest, steepest) * lever)
+    offset = float(shares @ arm)
+    if abs(offset) <= negligible:
+        return shares
+    end = 0 if offset > 0.0 else -1
+    moved = min(offset / (offset - float(arm[end])), 1.0)
+    shares = (1.0 - moved) * shares
+    shares[end] += moved
+    return shares
 
 
 def _fin_on_ground(fin: CaudalFin, ground: Ground) -> Coefficients:

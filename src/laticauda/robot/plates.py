@@ -3,8 +3,9 @@
 Drag and added mass of a body's sections do not hold for thin plates on it: a fin has free edges on
 all sides, and is no box. In a water with `plate_drag` and `plate_added_mass`, fins and flat modules that
 have no coefficients of their own take those of rectangular plates, times these factors
-(`laticauda.water.plates`, `laticauda.water.fluid.edges`). Flat modules in a row are one plate. Where a
-plate adjoins another part of the robot, the water cannot go around its end: of what free ends take off
+(`laticauda.water.plates`, `laticauda.water.fluid.edges`). A fin behind a body has the added mass that the
+lattice gives it there (`laticauda.robot.silhouettes`). Flat modules in a row are one plate. Where it
+adjoins another part of the robot, the water cannot go around its end: of what free ends take off
 the added mass of a slender plate, each takes half.
 """
 
@@ -13,14 +14,15 @@ from functools import lru_cache
 from itertools import groupby
 from typing import NamedTuple
 
-from laticauda.robot.body import Module
-from laticauda.robot.effectors import CaudalFin
+from laticauda.robot.body import Module, is_flat
 from laticauda.robot.robot import Robot
+from laticauda.robot.silhouettes import (
+    fin_plate,
+    mean_chord,
+    slender_length,
+)
 from laticauda.water.fluid.edges import plate_functions
 from laticauda.water.plates import plate_drag
-
-FLAT = 0.1
-"""A module is flat if its section is at most so wide as it is high [-]."""
 
 
 class PlateCoefficients(NamedTuple):
@@ -32,27 +34,18 @@ class PlateCoefficients(NamedTuple):
     """C_A [-]."""
 
 
-def is_flat(module: Module) -> bool:
-    """Return whether a module is a thin upright plate.
+def plate_of_fin(robot: Robot) -> PlateCoefficients | None:
+    """Return the coefficients of a robot's fin as a plate, behind what is ahead of it; None without a fin.
 
     Args:
-        module: The module.
+        robot: The robot.
     """
-    return module.section.half_width <= FLAT * module.section.half_height
-
-
-def plate_of_fin(fin: CaudalFin) -> PlateCoefficients:
-    """Return the coefficients of a fin as a plate with four free edges, without an open opening.
-
-    Args:
-        fin: The fin.
-    """
-    length = fin.length
-    if fin.opening == "open":
-        length -= fin.opening_length
+    fin, plate = robot.caudal_fin, fin_plate(robot)
+    if fin is None or plate is None:
+        return None
     return PlateCoefficients(
-        drag=plate_drag(fin.height, length),
-        added_mass=plate_functions(fin.height / length).added_mass,
+        drag=plate_drag(fin.height, mean_chord(fin)),
+        added_mass=plate.mass / slender_length(fin),
     )
 
 

@@ -32,9 +32,8 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Literal
 
-from laticauda.robot.body import Section
+from laticauda.robot.body import Section, is_flat
 from laticauda.robot.environment import Water, finite_span_refusal
-from laticauda.robot.plates import is_flat
 from laticauda.robot.robot import Robot, Surface
 from laticauda.values import BadArgument
 from laticauda.water.fluid import TotalSpeedDrag

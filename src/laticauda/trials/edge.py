@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from laticauda.robot import Ground, Posture, Robot, Water
+from laticauda.robot import Ground, Posture, Robot, Water, fin_plate
 from laticauda.scenarios import Scenario
 from laticauda.trials.contents import Contents
 from laticauda.values import BadArgument
@@ -152,7 +152,9 @@ def thrust_error(trial: Contents) -> ThrustError | None:
     if not is_simulated or isinstance(water, Ground) or water.trailing_edge == "none":
         return None
     aspect = edge_aspect(trial.chain)
-    if plate_functions(aspect).lift >= BROAD_LIFT_SHARE:
+    plate = fin_plate(trial.chain)
+    lift_share = plate_functions(aspect).lift if plate is None else plate.lift
+    if lift_share >= BROAD_LIFT_SHARE:
         return None
     if water.trailing_edge == "elongated":
         return _error_of_slender_law(aspect, has_plate_mass=water.plate_added_mass is not None)

@@ -16,10 +16,12 @@ from laticauda.robot import (
     Module,
     Robot,
     Section,
+    fin_plate,
     load_robot,
     load_water,
     wake_mass,
 )
+from laticauda.water.fluid.edges import plate_functions
 
 GAIT = lc.lateral_undulation(
     amplitude=np.deg2rad(30), frequency=np.deg2rad(130), phase_shift=np.deg2rad(40)
@@ -33,6 +35,8 @@ BROAD = replace(
     name="broad",
     caudal_fin=CaudalFin(length=0.06, height=0.2, opening_length=0.0, added_mass=1.0),
 )
+LOW = replace(BROAD.modules[0], section=Section(half_height=0.009, half_width=0.009))
+"""So low that the fin behind it is a free plate."""
 DRIVEN = replace(BROAD, name="driven", caudal_fin=replace(BROAD.caudal_fin, joint=Joint()))
 
 
@@ -49,6 +53,22 @@ def test_the_loads_of_a_rigid_plate_are_those_of_the_unsteady_lattice_on_the_who
     assert side.max() <= 0.06
     assert moment.mean() <= 0.010
     assert moment.max() <= 0.05
+
+
+def test_loads_behind_another_plate_are_those_of_the_unsteady_lattice_within_what_the_page_says():
+    edge_map = campaign_scripts.campaign("edge_map")
+    points = edge_map.errors_behind()
+    assert len(points) == 105
+    thrust, side, moment = np.array([point[3:] for point in points]).T
+    assert thrust.mean() <= 0.05
+    assert np.quantile(thrust, 0.9) <= 0.15
+    assert side.mean() <= 0.09
+    assert moment.mean() <= 0.14
+    heave = np.array([point[3:] for point in points if point.motion == "heave"])
+    assert heave[:, 0].max() <= 0.07
+    assert heave[:, 1].max() <= 0.07
+    slender = np.array([point[3:] for point in edge_map.errors_behind("elongated")])
+    assert slender[:, 0].mean() > 0.5
 
 
 # ---- slender and bodies --------------------------------------------------------------------------
@@ -77,12 +97,28 @@ def test_a_long_thin_fin_swims_as_with_lighthills_law():
 
 
 def test_the_strips_of_a_fin_have_the_mass_and_the_inertia_of_the_plate():
-    strips = lc.models.planar.PlanarPlant(robot=BROAD, environment=WATER).coefficients.fin
-    slender = wake_mass(BROAD, WATER) * 0.06
-    arm = strips.position + 0.03
+    free = replaced_fin(length=0.07, opening_length=0.01)
+    strips = lc.models.planar.PlanarPlant(robot=free, environment=WATER).coefficients.fin
+    slender = wake_mass(free, WATER) * 0.06
+    arm = strips.position + 0.04
     assert strips.mu_n.sum() == pytest.approx(0.2543 * slender, rel=2e-3)  # h/c = 3.33
     inertia = strips.lambda_1.sum() + strips.mu_n @ (arm * arm)
     assert inertia == pytest.approx(0.10636 * slender * 0.06**2 / 12.0, rel=5e-3)
+
+
+def test_what_adjoins_a_fin_ahead_decides_on_its_leading_edge():
+    alone = fin_plate(replaced_fin(length=0.07, opening_length=0.01))
+    behind = fin_plate(BROAD)  # a body of 0.11 m ahead of a fin of 0.2 m
+    assert behind.mass > 1.5 * alone.mass
+    assert behind.lift > alone.lift + 0.15
+    assert behind.lift_center < 0.0
+    assert fin_plate(DRIVEN).lift == pytest.approx(alone.lift)
+    assert fin_plate(replace(BROAD, modules=(LOW, *BROAD.modules[1:]))).lift == pytest.approx(
+        alone.lift
+    )
+    high = replaced_fin(height=0.05)
+    assert fin_plate(high).lift == pytest.approx(1.0, abs=0.01)  # as high as what is ahead
+    assert fin_plate(FINNED).lift == plate_functions(0.09 / 0.38).lift
 
 
 def test_a_fin_that_bends_is_refused_with_the_laws_that_hold_for_it():
@@ -122,8 +158,11 @@ def shaped(corners, **changes):
 
 
 def test_a_silhouette_that_is_a_rectangle_has_the_numbers_of_the_table():
-    by_lattice = PlanarPlant(robot=shaped(RECTANGLE), environment=WATER).layout.template
-    by_table = PlanarPlant(robot=BROAD, environment=WATER).layout.template
+    free, shaped_and_free = (
+        replace(robot, modules=(LOW, *robot.modules[1:])) for robot in (BROAD, shaped(RECTANGLE))
+    )
+    by_lattice = PlanarPlant(robot=shaped_and_free, environment=WATER).layout.template
+    by_table = PlanarPlant(robot=free, environment=WATER).layout.template
     edge = slice(rows.EDGE, rows.EDGE_LAG + 1)
     assert by_lattice[edge] == pytest.approx(by_table[edge], rel=0.01)
     body = rows.HEADER_ROWS
@@ -136,8 +175,8 @@ def test_a_forked_fin_has_less_area_and_less_added_mass_and_swims():
     assert forked.caudal_fin.area == pytest.approx(2.0 * 0.0029)
     rectangular = PlanarPlant(robot=BROAD, environment=WATER).coefficients.fin
     strips = PlanarPlant(robot=forked, environment=WATER).coefficients.fin
-    # That of a broad plate goes with the square of its chord.
-    assert 0.15 < strips.mu_n.sum() / rectangular.mu_n.sum() < 0.35
+    # That of a broad plate goes with the square of its chord, but that next to the body does not.
+    assert 0.3 < strips.mu_n.sum() / rectangular.mu_n.sum() < 0.6
     assert np.all(strips.mu_n >= 0.0)
     share = strips.c_n.sum() / rectangular.c_n.sum()
     assert share == pytest.approx(forked.caudal_fin.area / BROAD.caudal_fin.area, rel=0.02)

@@ -1,65 +1,111 @@
 """Vortex lattice of a flat plate: its added mass, and its lift in a steady flow, for any silhouette.
 
-The plate stands upright, symmetric about its chord, and the flow comes along it. Cells between spanwise
-and chordwise lines carry vortex rings of strength mu, the jump of the potential. Without circulation the
+The plate stands upright, symmetric about its chord, and the flow comes along it. Rows of cells reach from its
+leading to its trailing edge, and carry vortex rings of strength mu, the jump of the potential. Without circulation the
 rings alone meet the normal velocity at the cells' middles: the impulse of the water is that of its added
 mass. In a steady flow the rings begin at a quarter of their cells and meet it at three quarters, and the last one
 of each row goes on behind the plate for ever (Katz and Plotkin, Low-Speed Aerodynamics, 2001, ch. 12).
 Both errors fall as one over the number of cells along the chord, so results at n and 2 n cells are
 extrapolated.
 
+A plate may have another one, of constant height, rigidly ahead of its root. Its rows begin there then,
+and the loads are those of the plate itself in the presence of the other.
+
 The density is 1, lengths are in units of one's own, and x counts aft from the root.
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from laticauda.water.fluid.edges import PlateFunctions
 
-N_CHORD = 16
-"""Cells along the chord in the coarser lattice of two."""
+N_CHORD = 8
+"""Cells along the chord in the coarsest lattice."""
+N_AHEAD = 6
+"""Cells along a plate ahead in that lattice, shorter toward the root."""
 N_HALF_SPAN = 9
-"""Cells across half the span, closer together toward the tip."""
+"""Rows across half the span, closer together toward the tip."""
+LEAST_ROWS = 2
+"""Rows above and below the height of a plate ahead at least."""
 WAKE_SPANS = 1e3
 """Length of the wake in spans."""
 SMALLEST = 1e-14
 """Cross product below which a point lies on a segment."""
 
-Inside = Callable[[np.ndarray, np.ndarray], np.ndarray]
-"""Whether points (distance behind the root, height above the chord) lie on the plate."""
+EdgeLine = Callable[[np.ndarray], np.ndarray]
+"""Distance of an edge behind the root at heights above the chord."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Outline:
+    """Upper half of a plate: at every height one stretch from the leading to the trailing edge."""
+
+    height: float
+    """Largest height of the whole plate."""
+    leading: EdgeLine
+    """Where the plate begins."""
+    trailing: EdgeLine
+    """Where it ends."""
+
+    @classmethod
+    def rectangle(cls, length: float, height: float) -> "Outline":
+        """Return the outline of a rectangular plate.
+
+        Args:
+            length: From the root to the end of the plate.
+            height: Its height.
+        """
+        return cls(
+            height=height,
+            leading=lambda z: np.zeros_like(z),
+            trailing=lambda z: np.full_like(z, length),
+        )
+
+
+class PlateAhead(NamedTuple):
+    """A plate rigidly ahead of the root of another one."""
+
+    length: float
+    """Its length."""
+    height: float
+    """Its height, at most that of the other one."""
 
 
 class PlateLoads(NamedTuple):
     """What a plate does to the water, per density."""
 
-    added_mass: np.ndarray
-    """Added mass for heave and for turning about the root: [[M, M x], [M x, I]]."""
+    mass: float
+    """M, added mass of the plate itself."""
+    mass_center: float
+    """Where that mass has its center."""
+    inertia: float
+    """Its added moment of inertia about that center, with a plate ahead at rest."""
+    mass_ahead: float
+    """Added mass of the plate ahead, behind a free end; 0 without one."""
     lift: float
     """Steady lift per speed and speed across, G."""
     center: float
-    """x_ac, where the steady lift acts."""
+    """x_ac, where the steady lift acts, besides the Munk moment of a plate ahead."""
     control: float
     """x_w: by a speed across w(x) = x the plate lifts as by the uniform one w(x_w)."""
 
 
-def compute_plate(length: float, height: float, inside: Inside | None = None) -> PlateLoads:
+def compute_plate(
+    outline: Outline, ahead: PlateAhead | None = None, *, refinement: int = 1
+) -> PlateLoads:
     """Return the loads of a plate, extrapolated in the number of cells.
 
     Args:
-        length: From the root to the end of the plate.
-        height: Its largest height.
-        inside: Which points within this rectangle belong to the plate; None: all.
+        outline: Its upper half.
+        ahead: The plate ahead of its root; None if its leading edge is free.
+        refinement: By how much more cells there are along the chord than in the coarsest lattice.
     """
-    coarse = _loads(length, height, inside, N_CHORD)
-    fine = _loads(length, height, inside, 2 * N_CHORD)
-    return PlateLoads(
-        added_mass=2.0 * fine.added_mass - coarse.added_mass,
-        lift=2.0 * fine.lift - coarse.lift,
-        center=2.0 * fine.center - coarse.center,
-        control=2.0 * fine.control - coarse.control,
-    )
+    coarse = _loads(_build_cells(outline, ahead, refinement=refinement))
+    fine = _loads(_build_cells(outline, ahead, refinement=2 * refinement))
+    return PlateLoads(*(2.0 * at_2n - at_n for at_n, at_2n in zip(coarse, fine, strict=True)))
 
 
 def rectangle(aspect: float) -> PlateFunctions:
@@ -69,83 +115,185 @@ def rectangle(aspect: float) -> PlateFunctions:
         aspect: A = h/c.
     """
     chord = 1.0 / aspect
-    loads = compute_plate(chord, 1.0)
+    loads = compute_plate(Outline.rectangle(chord, 1.0), refinement=2)
     slender = 0.25 * np.pi
-    mass = loads.added_mass[0, 0]
-    about_middle = loads.added_mass[1, 1] - mass * chord**2 / 4.0
     return PlateFunctions(
-        added_mass=float(mass / (slender * chord)),
+        added_mass=loads.mass / (slender * chord),
         lift=loads.lift / slender,
-        rotary=float(about_middle / (slender * chord**3 / 12.0)),
+        rotary=loads.inertia / (slender * chord**3 / 12.0),
         center=loads.center / chord,
     )
 
 
-def _loads(length: float, height: float, inside: Inside | None, n_chord: int) -> PlateLoads:
+class _Rings(NamedTuple):
+    """Rings with two sides along the chord: where these begin and end, one number per ring."""
+
+    front_below: np.ndarray
+    back_below: np.ndarray
+    front_above: np.ndarray
+    back_above: np.ndarray
+    below: np.ndarray
+    """Height of the lower side."""
+    above: np.ndarray
+    """Height of the upper side."""
+
+
+class _Cells(NamedTuple):
+    """Cells of the upper half of a plate, row by row, each from the front to the trailing edge."""
+
+    sides: _Rings
+    middle: np.ndarray
+    """Height at which they are looked at."""
+    of_fin: np.ndarray
+    """Whether they belong to the plate itself, and not to the one ahead."""
+    is_first: np.ndarray
+    """Whether they are the first ones of their rows."""
+    is_last: np.ndarray
+    """Whether they are the last ones of their rows."""
+    height: float
+    """Largest height of the whole plate."""
+
+
+def _build_cells(outline: Outline, ahead: PlateAhead | None, *, refinement: int) -> _Cells:
+    lines, middles = _build_rows(outline.height, ahead)
+    n_chord = refinement * N_CHORD
+    shares = np.linspace(0.0, 1.0, n_chord + 1)
+    rows: list[_Cells] = []
+    for below, above, middle in zip(lines[:-1], lines[1:], middles, strict=True):
+        ends = np.array((below, above))
+        leading = outline.leading(ends)
+        trailing = outline.trailing(ends)
+        is_behind = ahead is not None and middle < 0.5 * ahead.height
+        if is_behind:
+            leading = np.zeros(2)  # the gap to the plate ahead is taken as closed
+        x = leading + shares[:, np.newaxis] * (trailing - leading)
+        n_ahead = 0
+        if ahead is not None and is_behind:
+            n_ahead = refinement * N_AHEAD
+            distances = ahead.length * np.linspace(1.0, 0.0, n_ahead + 1)[:-1] ** 2
+            x = np.concatenate((-np.stack((distances, distances), axis=1), x))
+        index = np.arange(len(x) - 1)
+        sides = _Rings(
+            *(x[:-1, 0], x[1:, 0], x[:-1, 1], x[1:, 1]),
+            below=np.full(index.size, below),
+            above=np.full(index.size, above),
+        )
+        rows.append(
+            _Cells(
+                sides=sides,
+                middle=np.full(index.size, middle),
+                of_fin=index >= n_ahead,
+                is_first=index == 0,
+                is_last=index == index[-1],
+                height=outline.height,
+            )
+        )
+    sides_of_rows = [row.sides for row in rows]
+    return _Cells(
+        sides=_Rings(*map(np.concatenate, zip(*sides_of_rows, strict=True))),
+        middle=np.concatenate([row.middle for row in rows]),
+        of_fin=np.concatenate([row.of_fin for row in rows]),
+        is_first=np.concatenate([row.is_first for row in rows]),
+        is_last=np.concatenate([row.is_last for row in rows]),
+        height=outline.height,
+    )
+
+
+def _build_rows(height: float, ahead: PlateAhead | None) -> tuple[np.ndarray, np.ndarray]:
+    """Return the heights between the rows, and those at which the rows are looked at."""
+    half = 0.5 * height
+    cut = 0.0
+    lines, middles = np.zeros(1), np.zeros(0)
+    n_above = N_HALF_SPAN
+    if ahead is not None and ahead.height < height:
+        cut = 0.5 * ahead.height
+        n_below = round(N_HALF_SPAN * cut / half)
+        n_below = min(max(n_below, LEAST_ROWS), N_HALF_SPAN - LEAST_ROWS)
+        n_above -= n_below
+        lines = np.linspace(0.0, cut, n_below + 1)
+        middles = 0.5 * (lines[1:] + lines[:-1])
+    turn = np.linspace(0.0, 0.5 * np.pi, n_above + 1)
+    lines = np.concatenate((lines, cut + (half - cut) * np.sin(turn[1:])))
+    middles = np.concatenate((middles, cut + (half - cut) * np.sin(0.5 * (turn[1:] + turn[:-1]))))
+    return lines, middles
+
+
+def _loads(cells: _Cells) -> PlateLoads:
     """Return the loads of one lattice."""
-    dx = length / n_chord
-    turn = np.linspace(0.0, 0.5 * np.pi, N_HALF_SPAN + 1)
-    lines = 0.5 * height * np.sin(turn)
-    middles = 0.5 * height * np.sin(0.5 * (turn[1:] + turn[:-1]))
-    x = (np.arange(n_chord) + 0.5) * dx
-    on = np.full((n_chord, N_HALF_SPAN), True)
-    if inside is not None:
-        on = inside(x[:, np.newaxis], middles[np.newaxis, :])
-    column, row = np.nonzero(on)
-    front = column * dx
-    lower, upper = lines[row], lines[row + 1]
-    area = 2.0 * (upper - lower) * dx
-    still = _influence(x[column], middles[row], front, front + dx, lower, upper)
-    speeds = np.stack((np.ones(column.size), x[column]), axis=1)
-    strengths = np.linalg.solve(still, speeds)
-    added = -(speeds * area[:, np.newaxis]).T @ strengths
-    at_three_quarters = front + 0.75 * dx
-    quarters = front + 0.25 * dx
-    ends = quarters + dx
-    last_columns = np.full(N_HALF_SPAN, -1)
-    np.maximum.at(last_columns, row, column)
-    ends[column == last_columns[row]] += WAKE_SPANS * height
-    flowing = _influence(at_three_quarters, middles[row], quarters, ends, lower, upper)
-    speeds = np.stack((np.ones(column.size), at_three_quarters), axis=1)
+    sides = cells.sides
+    share = (cells.middle - sides.below) / (sides.above - sides.below)
+    front = sides.front_below + share * (sides.front_above - sides.front_below)
+    back = sides.back_below + share * (sides.back_above - sides.back_below)
+    breadth = 2.0 * (sides.above - sides.below)
+    x = 0.5 * (front + back)
+    mean_chord = 0.5 * (sides.back_below - sides.front_below + sides.back_above - sides.front_above)
+    area = breadth * mean_chord
+    of_fin = cells.of_fin
+    alone = np.where(of_fin, 1.0, 0.0)
+    speeds = np.stack((np.ones_like(x), alone, alone * x), axis=1)
+    strengths = np.linalg.solve(_influence(x, cells.middle, sides), speeds)
+    impulses = -(strengths * area[:, np.newaxis])
+    mass, mass_alone, _ = impulses[of_fin].sum(axis=0)
+    first, first_alone, second_alone = x[of_fin] @ impulses[of_fin]
+    mass_ahead = impulses[~of_fin, 0].sum()
+
+    vortices = _shift_by_a_quarter(cells)
+    at_three_quarters = front + 0.75 * (back - front)
+    speeds = np.stack((np.ones_like(x), at_three_quarters), axis=1)
+    flowing = _influence(at_three_quarters, cells.middle, vortices)
     strengths = np.linalg.solve(flowing, speeds)
     # A ring's bound vortex, at a quarter of its cell, has its strength less that of the ring ahead.
-    grid = np.zeros((n_chord + 1, N_HALF_SPAN, 2))
-    grid[column + 1, row] = strengths
-    bound = (grid[column + 1, row] - grid[column, row]) * (2.0 * (upper - lower))[:, np.newaxis]
+    before = np.where(cells.is_first[:, np.newaxis], 0.0, np.roll(strengths, 1, axis=0))
+    bound = (strengths - before) * breadth[:, np.newaxis]
     lift, lift_of_turning = -bound.sum(axis=0)
-    moment = -(quarters @ bound[:, 0])
-    return PlateLoads(added, float(lift), float(moment / lift), float(lift_of_turning / lift))
+    moment = -(0.5 * (vortices.front_below + vortices.front_above) @ bound[:, 0])
+    return PlateLoads(
+        mass=float(mass),
+        mass_center=float(first / mass),
+        inertia=float(second_alone - first_alone**2 / mass_alone),
+        mass_ahead=float(mass_ahead),
+        lift=float(lift),
+        center=float((moment + mass_ahead) / lift),
+        control=float(lift_of_turning / lift),
+    )
 
 
-def _influence(
-    x: np.ndarray,
-    y: np.ndarray,
-    front: np.ndarray,
-    back: np.ndarray,
-    lower: np.ndarray,
-    upper: np.ndarray,
-) -> np.ndarray:
+def _shift_by_a_quarter(cells: _Cells) -> _Rings:
+    """Return the rings of a steady flow, from a quarter of a cell to that of the next one or along the wake."""
+    sides = cells.sides
+    quarter_below = sides.front_below + 0.25 * (sides.back_below - sides.front_below)
+    quarter_above = sides.front_above + 0.25 * (sides.back_above - sides.front_above)
+    far = np.max(sides.back_below) + WAKE_SPANS * cells.height
+    return sides._replace(
+        front_below=quarter_below,
+        front_above=quarter_above,
+        back_below=np.where(cells.is_last, far, np.roll(quarter_below, -1)),
+        back_above=np.where(cells.is_last, far, np.roll(quarter_above, -1)),
+    )
+
+
+def _influence(x: np.ndarray, z: np.ndarray, rings: _Rings) -> np.ndarray:
     """Return the normal velocity at points (rows) by rings of strength 1 and their mirror images (columns)."""
-    px, py = x[:, np.newaxis], y[:, np.newaxis]
-    by_rings = _ring(px, py, front, back, lower, upper)
-    by_images = _ring(px, py, front, back, -upper, -lower)
-    return -(by_rings + by_images)
+    images = _Rings(
+        front_below=rings.front_above,
+        back_below=rings.back_above,
+        front_above=rings.front_below,
+        back_above=rings.back_below,
+        below=-rings.above,
+        above=-rings.below,
+    )
+    px, pz = x[:, np.newaxis], z[:, np.newaxis]
+    return -(_ring(px, pz, rings) + _ring(px, pz, images))
 
 
-def _ring(
-    x: np.ndarray,
-    y: np.ndarray,
-    x_0: np.ndarray,
-    x_1: np.ndarray,
-    y_0: np.ndarray,
-    y_1: np.ndarray,
-) -> np.ndarray:
-    """Return the normal velocity by rectangular rings, counter-clockwise."""
+def _ring(x: np.ndarray, z: np.ndarray, rings: _Rings) -> np.ndarray:
+    """Return the normal velocity by rings, counter-clockwise."""
+    a, b, d, c, below, above = rings
     return (
-        _segment(x, y, x_0, y_0, x_1, y_0)
-        + _segment(x, y, x_1, y_0, x_1, y_1)
-        + _segment(x, y, x_1, y_1, x_0, y_1)
-        + _segment(x, y, x_0, y_1, x_0, y_0)
+        _segment(x, z, a, below, b, below)
+        + _segment(x, z, b, below, c, above)
+        + _segment(x, z, c, above, d, above)
+        + _segment(x, z, d, above, a, below)
     )
 
 
