@@ -231,7 +231,7 @@ def test_a_spatial_world_does_the_same():
     np.testing.assert_allclose(frame.bodies[0].position, truth.modules.position[0])
     answers = [m for m in heard if isinstance(m, JointState)][-18:]
     np.testing.assert_allclose([m.angle for m in answers], truth.joint_angle, atol=0.05)
-    assert all(m.force is None for m in heard if isinstance(m, Loads))
+    assert all(len(m.force) == 3 for m in heard if isinstance(m, Loads))
 
 
 def test_the_truth_is_a_trial(operator):
@@ -300,6 +300,10 @@ class Recorded(VirtualRobot):
         return self.truth
 
 
+def without_forces(messages):
+    return [replace(m, force=None) if isinstance(m, Loads) else m for m in messages]
+
+
 def test_what_modules_and_cameras_say_is_what_the_robot_does_and_nothing_of_the_water():
     moving = Recorded((0.08, -0.05))
     tanks = [Tank(moving, EXACT)]
@@ -307,7 +311,8 @@ def test_what_modules_and_cameras_say_is_what_the_robot_does_and_nothing_of_the_
     assert np.hypot(*moving.truth.center_of_mass[:2]) > 0.01  # carried along
     tanks.append(Tank(Recorded((0.0, 0.0), moving.done), EXACT))
     heard.append(swum(Operator(tanks[1]).ready(), 0.5))
-    assert heard[0] == heard[1]
+    # Forces of the force/torque sensors are what the water does to such a motion.
+    assert without_forces(heard[0]) == without_forces(heard[1])
     one, other = (
         [
             (frame.timestamp, *frame.bodies[0].position, *frame.bodies[0].rotation.flat)

@@ -9,7 +9,12 @@ from jaxtyping import Bool, Float
 from laticauda.motion.joints import Drive, Servo
 from laticauda.robot import ModulePoses, Robot, from_quaternion, turn
 from laticauda.tank.lab import nodes, virtual_robot
-from laticauda.tank.lab.settings import LabSettings, MocapSettings, SupplySettings
+from laticauda.tank.lab.settings import (
+    LabSettings,
+    MocapSettings,
+    NodeSettings,
+    SupplySettings,
+)
 from laticauda.tank.protocol import BodyPose, MeterReading, MocapFrame, meter
 
 BODY = "last-module"
@@ -174,6 +179,36 @@ PLAY_TORQUE = 0.2
 """Torque at which gear play is taken up; an assumption that keeps it from rattling in the lab's steps [N m]."""
 PLAY_TIME = 0.03
 """Time in which gear play is taken up, likewise [s]."""
+
+
+class ForceSensors:
+    """Force part of the force/torque sensors of all modules: strain gauges, with noise and a zero that is off.
+
+    Args:
+        settings: Settings of the modules.
+        n_nodes: Number of modules with a sensor.
+        random: Source of the noise.
+    """
+
+    def __init__(self, settings: NodeSettings, n_nodes: int, random: np.random.Generator) -> None:
+        self._noise = settings.force_noise
+        self._random = random
+        self._zero = random.uniform(-1.0, 1.0, (n_nodes, 3)) * settings.force_zero_error
+
+    def read(
+        self, force: Float[np.ndarray, "n_nodes 3"], node: int
+    ) -> tuple[float, float, float] | None:
+        """Return the reading of a sensor along, to the left, up [N]; None if its force is not known.
+
+        Args:
+            force: True forces at all sensors [N].
+            node: Index of the sensor.
+        """
+        noise = self._noise * self._random.standard_normal(3)
+        if np.isnan(force[node, 0]):
+            return None
+        along, left, up = (force[node] + self._zero[node] + noise).tolist()
+        return along, left, up
 
 
 class Electronics:

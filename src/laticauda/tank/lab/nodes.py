@@ -33,6 +33,8 @@ class Senses:
     """Torque of the motor at the joint, from its current [N m]."""
     load: float = 0.0
     """Torque from the force/torque sensor [N m]."""
+    force: tuple[float, float, float] | None = None
+    """Force from the force/torque sensor: along, left, up; None if it provides none [N]."""
     acceleration: Sequence[float] = (0.0, 0.0, 0.0)
     """Acceleration from the accelerometer [m/s^2]."""
     temperature: float = 20.0
@@ -79,6 +81,14 @@ class Node:
         """Whether the motor is on."""
         return self.state.is_on
 
+    def is_sensing(self, now: float) -> bool:
+        """Return whether the readings of the slow sensors, such as that of force and torque, are due.
+
+        Args:
+            now: Current time [s].
+        """
+        return now >= self._sensors_due - 1e-9 and self.state != NodeState.STARTUP
+
     def tick(self, now: float, senses: Senses) -> list[messages.CanMessage]:
         """Advance to the current time.
 
@@ -98,10 +108,10 @@ class Node:
         sent: list[messages.CanMessage] = []
         if self.state != state_before or now >= self._heartbeat_due - 1e-9:
             sent.append(self._heartbeat(now, senses))
-        if now >= self._sensors_due - 1e-9 and self.state != NodeState.STARTUP:
+        if self.is_sensing(now):
             self._sensors_due = max(self._sensors_due + self.settings.sensor_interval, now)
             along, left, up = senses.acceleration
-            sent.append(messages.Loads(node=self.number, force=None, torque=senses.load))
+            sent.append(messages.Loads(node=self.number, force=senses.force, torque=senses.load))
             sent.append(messages.Acceleration(node=self.number, along=along, left=left, up=up))
         return sent
 

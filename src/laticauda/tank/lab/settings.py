@@ -69,6 +69,12 @@ class NodeSettings:
     torque_noise: float = quantity(
         "N m", "Standard deviation, of the force/torque sensor", ge=0.0, default=0.02
     )
+    force_noise: float = quantity(
+        "N", "Standard deviation along each axis, of the same sensor", ge=0.0, default=0.05
+    )
+    force_zero_error: float = quantity(
+        "N", "Largest along each axis, either sign, of the same sensor", ge=0.0, default=0.1
+    )
     acceleration_noise: float = quantity("m/s^2", "Standard deviation", ge=0.0, default=0.05)
 
     def __post_init__(self) -> None:

@@ -52,11 +52,12 @@ class Tank:
         self._plant_without_faults = body.plant
         for fault in faults:
             self.inject(fault)
-        streams = np.random.SeedSequence(self.settings.seed).spawn(4)
-        motors, cameras, supply, self._wire = (np.random.default_rng(stream) for stream in streams)
+        streams = np.random.SeedSequence(self.settings.seed).spawn(5)
+        motors, cameras, supply, self._wire, forces = map(np.random.default_rng, streams)
         self.electronics = instruments.Electronics(
             body.robot, self.settings, motors, body.plant.settings.joints
         )
+        self.force_sensors = instruments.ForceSensors(self.settings.nodes, len(joints), forces)
         self.cameras = instruments.Cameras(self.settings.mocap, cameras)
         self.meter = instruments.Multimeter(self.settings.supply, supply)
         self.nodes = [
@@ -238,6 +239,8 @@ class Tank:
         self._senses = self._read()
         for i, node in enumerate(self.nodes):
             if not self._dead[i]:
+                if node.is_sensing(self.time):
+                    self._senses[i].force = self.force_sensors.read(self.body.joint_force, i)
                 self._transmit(node, node.tick(self.time, self._senses[i]))
         if self.time * self.settings.mocap.rate >= self._frames + 1 - 1e-6:
             self._frames = math.floor(self.time * self.settings.mocap.rate + 1e-6)

@@ -76,7 +76,10 @@ class VirtualRobot:
         self.start = start or Start()
         self._work = 0.0
         self._log: list[series.Log] = []
+        self._joint_force: Float[np.ndarray, "n_joints 3"] | None = None
         self._put(self.start, 0.0)
+        # What computes it is compiled before a world must keep up with a clock.
+        _ = self.joint_force
 
     def carry(self, start: Start) -> None:
         """Take the robot out of the water, straighten it, and put it back at rest at `start`; time and water go on.
@@ -86,6 +89,19 @@ class VirtualRobot:
         """
         self._work = self.truth.electrical_work
         self._put(start, self.truth.time)
+
+    @property
+    def joint_force(self) -> Float[np.ndarray, "n_joints 3"]:
+        """Force in every joint of the robot, and of a driven fin, now: along, left, up [N].
+
+        nan in joints that the world does not know: those for pitch in a planar world, and the fin's.
+        """
+        if self._joint_force is None:
+            of_plant = self.plant.evaluate_loads(self._state, self._command).joint_force
+            force = np.full((len(self.robot.driven_joints), 3), np.nan)
+            force[self.driven[: len(of_plant)]] = of_plant
+            self._joint_force = force
+        return self._joint_force
 
     def _put(self, start: Start, time: float) -> None:
         values = self.plant.init(start, Command(gait=STILL)).values.copy()
@@ -135,6 +151,8 @@ class VirtualRobot:
         state, log, failure = self.plant.march(self._state, command, dt, dt)
         if failure is not None:
             raise SimulationFailed(failure)
+        self._command = command
+        self._joint_force = None
         return state, log
 
     def _without_limp_modules(

@@ -163,7 +163,10 @@ class JointState:
 
 @dataclass(frozen=True, kw_only=True)
 class Loads:
-    """Readings of the force/torque sensor at the joint, in the axes of the module on its tail side."""
+    """Readings of the force/torque sensor at the joint, in the axes of the module on its tail side.
+
+    They are what the part of the robot on the tail side does to the part on the head side.
+    """
 
     node: int
     """Number of the node [-]."""
