@@ -1,4 +1,4 @@
-"""Clusters of this process for the tests."""
+"""Clusters of this computer for the tests."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -11,5 +11,16 @@ def local_cluster() -> Iterator[str]:
 
     with LocalCluster(
         n_workers=1, threads_per_worker=1, processes=False, protocol="tcp", dashboard_address=":0"
+    ) as cluster:
+        yield cluster.scheduler_address
+
+
+@contextmanager
+def worker_processes(n_workers: int) -> Iterator[str]:
+    """The address of a scheduler whose workers are processes of their own."""
+    from distributed import LocalCluster
+
+    with LocalCluster(
+        n_workers=n_workers, threads_per_worker=1, processes=True, dashboard_address=":0"
     ) as cluster:
         yield cluster.scheduler_address

@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 from studies.sweeps import small
 
-from laticauda.studies import cluster, open_sweep, run_sweep
+from laticauda.models.simulate import cluster
+from laticauda.studies import open_sweep, run_sweep
 from laticauda.values.errors import ClusterFailed
 
 CLUSTER = """\
@@ -120,7 +121,7 @@ def test_workers_of_another_version_are_refused():
     with pytest.raises(
         ClusterFailed, match=r"the workers must have laticauda 0\.0\.0, as this process does, got "
     ):
-        cluster._swim_on_worker("0.0.0", small().scenario, (), None)
+        cluster._call_on_worker("0.0.0", len, ((),))
 
 
 @pytest.mark.parametrize("address", ["nowhere", "tcp://127.0.0.1:1"])

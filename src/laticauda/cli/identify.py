@@ -28,11 +28,12 @@ from laticauda.cli.shared_options import (
     column_option,
     joint_law_option,
     read_columns,
+    scheduler_option,
     threads_option,
 )
 from laticauda.cli.tables import format_table, parse_numbers
 from laticauda.identify import fitting, list_assumptions, measurements, result, tasks, validation
-from laticauda.models.simulate import UNITS
+from laticauda.models.simulate import UNITS, connected
 from laticauda.robot import load_parameters
 from laticauda.show.reports import (
     describe_identification,
@@ -120,6 +121,7 @@ class Method(Options):
     )
     quick: bool = option("Skip the refits that leave out one group at a time", default=False)
     threads: int | None = threads_option()
+    scheduler: str | None = scheduler_option()
 
 
 @value_class
@@ -163,9 +165,10 @@ class Identify(Command):
         task, folder = self._task(), Path(self.output)
         make_writable_folder(folder)
         load_templates()  # check for the report's requirements before the search
-        if self.laws:
-            return self._compare_laws(task, folder)
-        identification = self._identify(task, folder)
+        with connected(self.method.scheduler) as client:
+            if self.laws:
+                return self._compare_laws(task, folder, client)
+            identification = self._identify(task, folder, client)
         validated = identification.validated
         facts = describe_identification(validated, self._command)
         facts |= {"output": str(folder), "files": identification.files}
@@ -175,7 +178,7 @@ class Identify(Command):
             succeeded=_is_complete(validated.fit),
         )
 
-    def _compare_laws(self, task: tasks.Task, folder: Path) -> Outcome:
+    def _compare_laws(self, task: tasks.Task, folder: Path, client: Any) -> Outcome:
         """Identify with every law, and compare the errors."""
         if task.base is not None:
             rule = "must not be given together with a task's parameter file"
@@ -183,7 +186,7 @@ class Identify(Command):
         bases = [load_parameters(law) for law in self.laws]
         by_law: dict[str, validation.Validation] = {}
         for base in bases:
-            identification = self._identify(task.with_law(base), folder / base.name)
+            identification = self._identify(task.with_law(base), folder / base.name, client)
             by_law[base.name] = identification.validated
         facts_by_law = {
             name: describe_identification(entry, self._command) for name, entry in by_law.items()
@@ -200,7 +203,7 @@ class Identify(Command):
         arguments = [argument for argument in self.arguments if argument != "--json"]
         return shlex.join(["laticauda", "identify", *arguments])
 
-    def _identify(self, task: tasks.Task, folder: Path) -> "_Identification":
+    def _identify(self, task: tasks.Task, folder: Path, client: Any) -> "_Identification":
         """Run a task, and write the results; the best values so far are in a file meanwhile."""
         best = make_writable_folder(folder) / "best.json"
         bar = show_progress(SHARE)
@@ -212,6 +215,7 @@ class Identify(Command):
             threads=self.method.threads,
             progress=lambda share: bar(share, what="search"),
             keep=keep_best,
+            client=client,
         )
         validated = validation.validate(
             task,
@@ -220,6 +224,7 @@ class Identify(Command):
             by_group=not self.method.quick,
             profiles=self.method.profiles,
             progress=lambda what, share: bar(share, what=what),
+            client=client,
         )
         files = write_identification(validated, folder, command=self._command)
         best.unlink(missing_ok=True)

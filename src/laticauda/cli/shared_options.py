@@ -23,6 +23,11 @@ THIS_COMPUTER = "127.0.0.1"
 """Address under which a server is reached from this computer only."""
 
 
+def scheduler_option() -> str | None:
+    """Declare the cluster that runs trials."""
+    return option("Run on a Dask cluster: its scheduler, such as tcp://host:8786", default=None)
+
+
 def threads_option(text: str = "Trials to run in parallel") -> int | None:
     """Declare the number of trials that run at a time.
 

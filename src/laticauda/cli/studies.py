@@ -18,6 +18,7 @@ from laticauda.cli.command import Outcome
 from laticauda.cli.flags import File, Folder, PictureOutput, Words
 from laticauda.cli.progress import stored_trials
 from laticauda.cli.scene import warn_of_compiling
+from laticauda.cli.shared_options import scheduler_option
 from laticauda.cli.tables import format_figure
 from laticauda.cli.vary import (
     FORM,
@@ -32,6 +33,7 @@ from laticauda.cli.vary import (
     shared_facts,
     spell_parameter,
 )
+from laticauda.models.simulate import connected
 from laticauda.models.simulate.numbers import list_parameters
 from laticauda.scenarios import Scenario
 from laticauda.show import figures
@@ -40,7 +42,6 @@ from laticauda.studies import (
     Merged,
     Points,
     Share,
-    connected,
     describe_limits,
     parse_share,
     scenarios_at,
@@ -94,9 +95,7 @@ class Sweep(Study):
     list: File = option(  # its option is --list, so it hides the builtin in this class
         "Take the points from this CSV file instead; its first line has the names", default=None
     )
-    scheduler: str | None = option(
-        "Run on a Dask cluster: its scheduler, such as tcp://host:8786", default=None
-    )
+    scheduler: str | None = scheduler_option()
     share: str | None = option(
         "Run share K of N only, given as K/N, in a folder of its own beside --output, as one job of an array; "
         "--merge puts all shares together",
@@ -314,9 +313,7 @@ class Optimize(Study):
     seed: int = quantity(
         "", "Seed of all random numbers; another seed searches differently", ge=0, default=0
     )
-    scheduler: str | None = option(
-        "Run on a Dask cluster: its scheduler, such as tcp://host:8786", default=None
-    )
+    scheduler: str | None = scheduler_option()
     limits: Limits = option("Limits that gaits must observe", default=Limits())
     output: Folder = option(
         "Folder of results, where a stopped search resumes when run again", default="optimum"

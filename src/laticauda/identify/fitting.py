@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Unpack
+from typing import Any, Unpack
 
 import numpy as np
 
@@ -50,6 +50,7 @@ def fit(
     threads: int | None = None,
     progress: Progress = silent,
     keep: Keep = silent,
+    client: Any = None,
     **changes: Unpack[ModelChanges],
 ) -> Fit:
     """Identify parameters of the robot and the water from measured trials by least squares.
@@ -79,6 +80,9 @@ def fit(
         threads: Number of threads; None uses all cores available to this process.
         progress: Called periodically with the finished fraction, from 0 to 1.
         keep: Called with the best values by name and their sum of squares, whenever they improve.
+        client: A `dask.distributed.Client`: the trials run on its cluster, to the same bits (on
+            processors of one kind). None runs them in this process, as does all that is asked of the
+            fit later.
         changes: Changes of the model: `joints` (prescribed, pd, servo, or a joint law), `dt` [s]
             and the other fields of `laticauda.scenarios.ModelChanges`.
 
@@ -89,6 +93,7 @@ def fit(
         ValueError: If an argument is out of its range, or there are fewer measured numbers than
             unknowns.
         SimulationFailed: If a measurement cannot be simulated at any start.
+        ClusterFailed: If the cluster's scheduler goes away, or workers die repeatedly.
         MissingExtra: If scipy is not installed.
 
     Example:
@@ -101,12 +106,15 @@ def fit(
     method = Method(
         noise=noise, loss=loss, n_starts=n_starts, seed=seed, confidence=confidence, limit=limit
     )
-    problem = make_problem(measurements, parameters, robot, threads=threads, model=model, **changes)
+    problem = make_problem(
+        measurements, parameters, robot, threads=threads, client=client, model=model, **changes
+    )
     for measurement in problem.measurements:
         warn_of_noise(measurement)
     solution = solve(problem, method, progress=progress, keep=keep)
     if rivals and isinstance(problem.model, Planar):
         solution = _try_rival_laws(solution)
+    solution = solution.simulated_on(None)
     return _with_doubt_among_warnings(solution)
 
 

@@ -115,13 +115,56 @@ def differentiate_runs(
         values: Values of the unknowns.
         jacobian: Jacobian to fill in.
     """
-    pairs = [pair for pair in _dependent_pairs(problem) if _is_differentiated_run(problem, pair)]
+    pairs = pairs_to_differentiate(problem)
+    slopes = differentiate_pairs(problem, scenarios, values, pairs)
+    fill_in_slopes(problem, pairs, slopes, jacobian)
+
+
+def pairs_to_differentiate(problem: Problem) -> list[Pair]:
+    """Return the pairs of a measurement and an unknown on which its run itself depends.
+
+    Args:
+        problem: Measurements and unknowns.
+    """
+    return [pair for pair in _dependent_pairs(problem) if _is_differentiated_run(problem, pair)]
+
+
+def fill_in_slopes(
+    problem: Problem, pairs: Sequence[Pair], slopes: Sequence[np.ndarray], jacobian: np.ndarray
+) -> None:
+    """Fill in the slopes of pairs.
+
+    Args:
+        problem: Measurements and unknowns.
+        pairs: The pairs.
+        slopes: Those of each pair, see `differentiate_pairs`.
+        jacobian: Jacobian to fill in.
+    """
+    data_of = data_of_measurements(problem)
+    for (i, k), slopes_of_pair in zip(pairs, slopes, strict=True):
+        jacobian[data_of[i], k] = slopes_of_pair
+
+
+def differentiate_pairs(
+    problem: Problem, scenarios: Sequence[Scenario], values: np.ndarray, pairs: Sequence[Pair]
+) -> list[np.ndarray]:
+    """Return, for each pair, the derivatives of the measurement's numbers with respect to the unknown.
+
+    Args:
+        problem: Measurements and unknowns.
+        scenarios: Scenario of each measurement, with the values of the unknowns.
+        values: Values of the unknowns.
+        pairs: The pairs, from `pairs_to_differentiate`.
+    """
+    slope_of_pair: dict[Pair, np.ndarray] = {}
     durations = [scenarios[pair.measurement].duration for pair in pairs]
     for duration in dict.fromkeys(durations):
         same_duration = [
             pair for pair, own in zip(pairs, durations, strict=True) if own == duration
         ]
-        _differentiate_batch(problem, scenarios, values, same_duration, jacobian)
+        slopes = _differentiate_batch(problem, scenarios, values, same_duration)
+        slope_of_pair.update(zip(same_duration, slopes, strict=True))
+    return [slope_of_pair[pair] for pair in pairs]
 
 
 def _dependent_pairs(problem: Problem) -> list[Pair]:
@@ -139,8 +182,7 @@ def _differentiate_batch(
     scenarios: Sequence[Scenario],
     values: np.ndarray,
     pairs: Sequence[Pair],
-    jacobian: np.ndarray,
-) -> None:
+) -> list[np.ndarray]:
     """Differentiate the runs of some pairs of the same duration, one complex run for each pair."""
     members = sorted({pair.measurement for pair in pairs})
     member_runs = batch_scenarios.runs_of([scenarios[i] for i in members])
@@ -157,15 +199,17 @@ def _differentiate_batch(
         with_joints=_needs_joints(problem, members),
     )
     data_of = data_of_measurements(problem)
-    for lane, (i, k) in enumerate(pairs):
+    slopes: list[np.ndarray] = []
+    for lane, (i, _) in enumerate(pairs):
         if not stepped_runs.succeeded[lane]:
-            jacobian[data_of[i], k] = np.nan
+            slopes.append(np.full(data_of[i].size, np.nan))
             continue
         for name in UNITS:
             stepped_results[lane].figures[name] = stepped_runs.figures[name][lane]
         nuisance = problem.nuisance(i, values)
         shown = measured_values(problem.measurements[i], stepped_results[lane], nuisance)
-        jacobian[data_of[i], k] = np.imag(shown) / STEP
+        slopes.append(np.imag(shown) / STEP)
+    return slopes
 
 
 def _differentiated_number(

@@ -82,6 +82,8 @@ class Problem:
     """Whether each measurement depends on each unknown."""
     threads: int | None
     """Number of threads."""
+    client: Any = None
+    """A `dask.distributed.Client` whose cluster simulates; None: this process does."""
 
     @cached_property
     def data_blocks(self) -> tuple[DataBlock, ...]:
@@ -288,6 +290,7 @@ def make_problem(
     robot: Robot | None = None,
     *,
     threads: int | None = None,
+    client: Any = None,
     **changes: Any,
 ) -> Problem:
     """Combine measurements and unknowns into a problem, and check that they match.
@@ -298,6 +301,7 @@ def make_problem(
         robot: Robot that must have swum, with or without its fin; None: that of the first
             measurement.
         threads: Number of threads.
+        client: A `dask.distributed.Client` whose cluster simulates; None: this process does.
         changes: Changes of the models of all scenarios (see `laticauda.scenarios.ModelChanges`),
             and `model`.
 
@@ -323,6 +327,7 @@ def make_problem(
         unknowns=tuple(resolved),
         depends_on=depends_on,
         threads=threads,
+        client=client,
     )
     return with_starts(problem)
 

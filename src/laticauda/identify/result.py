@@ -100,6 +100,14 @@ class Fit:
         names = [estimate.name for estimate in self.estimates]
         return self.estimates[names.index(check_choice("name", name, names))]
 
+    def simulated_on(self, client: Any) -> "Fit":
+        """Return the same fit, whose trials a cluster simulates from now on.
+
+        Args:
+            client: A `dask.distributed.Client`; None: this process does.
+        """
+        return replace(self, problem=replace(self.problem, client=client))
+
     @property
     def values(self) -> dict[str, float]:
         """Best value of every unknown by name; if not identified, one of many as good."""

@@ -2,12 +2,30 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
+from jaxtyping import Float
 
 from laticauda.identify.measurements import Measurement
 from laticauda.identify.problem import Problem
 from laticauda.identify.sensing import RunResults, measured_values
+from laticauda.scenarios import Scenario
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Point:
+    """A problem at given values of its unknowns."""
+
+    problem: Problem
+    """Measurements and unknowns."""
+    values: Float[np.ndarray, " n_unknowns"]
+    """Values of the unknowns."""
+
+    @cached_property
+    def scenarios(self) -> tuple[Scenario, ...]:
+        """Scenario of each measurement at these values."""
+        return self.problem.scenarios_at(self.values)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

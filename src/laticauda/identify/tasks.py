@@ -133,7 +133,12 @@ class Task:
     """Files that it was read from."""
 
     def run(
-        self, *, threads: int | None = None, progress: Progress = silent, keep: Keep = silent
+        self,
+        *,
+        threads: int | None = None,
+        progress: Progress = silent,
+        keep: Keep = silent,
+        client: Any = None,
     ) -> Fit:
         """Run the identification.
 
@@ -142,6 +147,7 @@ class Task:
             progress: Called periodically with the finished fraction, from 0 to 1.
             keep: Called with the best values by name and their sum of squares, whenever they
                 improve.
+            client: A `dask.distributed.Client` whose cluster simulates; None: this process does.
 
         Raises:
             ValueError: If there are too few measurements for the unknowns, or an argument is out of
@@ -153,6 +159,7 @@ class Task:
             "threads": threads,
             "progress": progress,
             "keep": keep,
+            "client": client,
         }
         try:
             return fit(self.measurements, self.robot, parameters=self.unknowns, **arguments)

@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
@@ -96,6 +97,7 @@ def validate(
     by_group: bool = True,
     profiles: bool = False,
     progress: Callable[[str, float], None] = silent,
+    client: Any = None,
 ) -> Validation:
     """Test a fit on data that it was not fitted to; Ctrl-C ends this with the results so far.
 
@@ -107,11 +109,13 @@ def validate(
         by_group: Whether groups are left out, if there are several.
         profiles: Whether intervals are also computed from the likelihood.
         progress: Called periodically with the current step and its finished fraction.
+        client: A `dask.distributed.Client` whose cluster simulates; None: this process does.
     """
+    remote_fit = fit.simulated_on(client)
     validation = Validation(
         task=task,
         fit=fit,
-        left_out=linear_leave_one_out(fit),
+        left_out=linear_leave_one_out(remote_fit),
         is_linearized=True,
         by_group=None,
         null_models=(),
@@ -120,13 +124,15 @@ def validate(
     is_whole = INTERRUPTED not in fit.warnings
     try:
         if exact and is_whole and _suffices_without(fit, "measurement"):
-            singly = leave_out(fit, progress=partial(progress, "measurements left out"))
+            singly = leave_out(remote_fit, progress=partial(progress, "measurements left out"))
             validation = replace(validation, left_out=singly.predictions, is_linearized=False)
         if by_group and is_whole and _suffices_without(fit, "group"):
-            groupwise = leave_out(fit, "group", progress=partial(progress, "groups left out"))
-            validation = replace(validation, by_group=groupwise)
+            groupwise = leave_out(
+                remote_fit, "group", progress=partial(progress, "groups left out")
+            )
+            validation = replace(validation, by_group=replace(groupwise, fit=fit))
         if profiles and is_whole:
-            validation = replace(validation, profiles=_profile_all(fit, progress))
+            validation = replace(validation, profiles=_profile_all(remote_fit, progress))
     except KeyboardInterrupt:
         interrupted = replace(fit, warnings=(INTERRUPTED, *fit.warnings))
         validation = replace(validation, fit=interrupted)

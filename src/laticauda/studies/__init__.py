@@ -8,7 +8,7 @@ store           writing a sweep's folder
 stored_sweep    reading it
 damage          which of its regions are damaged
 checksums       which of its other files are
-running         running a sweep, here or on a cluster (`cluster`)
+running         running a sweep, here or on a cluster (`remote_points`)
 sharing         shares of a sweep, each run by a process of its own, and their merger
 optimization    definition of an optimization, and the evaluation of its points
 search          which points to try next
@@ -54,7 +54,6 @@ if TYPE_CHECKING:
         open_sweep as open_sweep,
     )
     from laticauda.studies.sweep import Sweep as Sweep
-    from laticauda.studies.cluster import connected as connected
     from laticauda.studies.limits import (
         describe_limits as describe_limits,
         name_limits as name_limits,
@@ -89,7 +88,6 @@ __getattr__, __dir__, __all__ = lazy_exports(
     },
     own=["optimize"],
     plain={
-        "laticauda.studies.cluster": ["connected"],
         "laticauda.studies.optimization": ["Limits"],
         "laticauda.studies.limits": ["describe_limits", "name_limits"],
         "laticauda.studies.point_trials": [

@@ -83,7 +83,9 @@ class Front:
         """
         values = self.values[point].tolist()
         parameters = dict(zip(self.optimization.names, values, strict=True))
-        figures = {name: float(self.figures[name][point]) for name in FIGURES}
+        figures: dict[str, float] = {}
+        for name in FIGURES:
+            figures[name] = float(self.figures[name][point])
         return parameters | figures
 
     def at_bounds(self) -> list[dict[str, Any]]:
@@ -96,14 +98,21 @@ class Front:
         """
         rows: list[dict[str, Any]] = []
         bounds = self.optimization.bounds
-        for (name, ends), column in zip(bounds.items(), self.values.T, strict=True):
-            tolerance = AT_BOUND * (ends[1] - ends[0])
-            for end, bound in zip(("least", "greatest"), ends, strict=True):
-                is_near = np.abs(column - bound) <= tolerance
-                n_points = int(np.count_nonzero(is_near))
-                if n_points:
-                    row = {"name": name, "end": end, "value": float(bound), "n_points": n_points}
-                    rows.append(row)
+        for name, column in zip(bounds, self.values.T, strict=True):
+            low, high = bounds[name]
+            tolerance = AT_BOUND * (high - low)
+            for end, bound in (("least", low), ("greatest", high)):
+                distance = np.abs(column - bound)
+                n_points = np.count_nonzero(distance <= tolerance)
+                if n_points == 0:
+                    continue
+                row = {
+                    "name": name,
+                    "end": end,
+                    "value": float(bound),
+                    "n_points": int(n_points),
+                }
+                rows.append(row)
         return rows
 
     def limits(self, point: int) -> list[str]:
@@ -155,11 +164,15 @@ class Front:
 
         optimization = self.optimization
         labels = labels_of(optimization.scenario)
-        columns = zip(optimization.names, self.values.T, strict=True)
-        coordinates = {name: (POINT, column, labels[name]) for name, column in columns}
-        variables = {name: (POINT, self.figures[name], labels[name]) for name in FIGURES}
+        coordinates: dict[str, Any] = {}
+        for name, column in zip(optimization.names, self.values.T, strict=True):
+            coordinates[name] = (POINT, column, labels[name])
+        variables: dict[str, Any] = {}
+        for name in FIGURES:
+            variables[name] = (POINT, self.figures[name], labels[name])
+        objectives = " and ".join(optimization.objectives)
         attributes = {
-            "title": f"Best in {' and '.join(optimization.objectives)}",
+            "title": f"Best in {objectives}",
             **attributes_of(optimization.scenario),
             "n_trials": self.n_trials,
             "n_infeasible": self.n_infeasible,
@@ -202,11 +215,14 @@ def pareto_front(losses: Losses) -> Bool[np.ndarray, " n_points"]:
         losses: One or two objectives; smaller is better.
     """
     is_nondominated = np.zeros(len(losses), dtype=bool)
+    first_objective = losses[:, 0]
+    last_objective = losses[:, -1]
+    numbers = np.arange(len(losses))
     smallest = np.inf
     # In ascending order of the first objective, a point is dominated unless it is the best so far
     # in the last one.
-    for i in np.lexsort((np.arange(len(losses)), losses[:, -1], losses[:, 0])):
-        if losses[i, -1] < smallest:
+    for i in np.lexsort((numbers, last_objective, first_objective)):
+        if last_objective[i] < smallest:
             is_nondominated[i] = True
-            smallest = losses[i, -1]
+            smallest = last_objective[i]
     return is_nondominated

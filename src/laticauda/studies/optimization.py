@@ -162,7 +162,10 @@ class Optimization(Limits):
 
 
 def evaluate(
-    optimization: Optimization, table: Table, threads: int | None = None, client: Any = None
+    optimization: Optimization,
+    table: Table,
+    threads: int | None = None,
+    client: Any = None,
 ) -> dict[str, Column]:
     """Evaluate points; those beyond the limits are not simulated.
 
@@ -184,12 +187,7 @@ def evaluate(
     results: dict[str, Column] = {name: np.full(len(table), np.nan) for name in QUANTITIES}
     results["succeeded"] = np.zeros(len(table), dtype=bool)
     if swims.any():
-        if client is None:
-            figures = swim_points(scenario, names, table[swims], threads)
-        else:
-            from laticauda.studies.cluster import swim_points_on
-
-            figures = swim_points_on(client, scenario, names, table[swims])
+        figures = _swim(optimization, table[swims], threads, client)
         for name, values in figures.items():
             results[name][swims] = values
     if not optimization.beyond_actuators:
@@ -203,6 +201,22 @@ def evaluate(
     has_values = np.all([np.isfinite(results[name]) for name in optimization.objectives], axis=0)
     results[VIOLATION] = np.where(swims & ~has_values, FAILED, violation)
     return results
+
+
+def _swim(
+    optimization: Optimization,
+    table: Table,
+    threads: int | None,
+    client: Any,
+) -> dict[str, Column]:
+    """Simulate points, here or on a cluster."""
+    scenario = optimization.scenario
+    names = optimization.names
+    if client is None:
+        return swim_points(scenario, names, table, threads)
+    from laticauda.studies.remote_points import swim_points_on
+
+    return swim_points_on(client, scenario, names, table)
 
 
 def compute_losses(names: Sequence[str], results: Mapping[str, np.ndarray]) -> np.ndarray:

@@ -174,7 +174,10 @@ def _check_point(scenario: lc.Scenario, values: Mapping[str, float], argument: s
 
 
 def swim_points(
-    scenario: lc.Scenario, names: tuple[str, ...], table: Table, threads: int | None = None
+    scenario: lc.Scenario,
+    names: tuple[str, ...],
+    table: Table,
+    threads: int | None = None,
 ) -> dict[str, Column]:
     """Simulate the trials of some points.
 

@@ -23,7 +23,10 @@ class Regions:
     @property
     def grid(self) -> tuple[int, ...]:
         """Number of regions along each dimension."""
-        return tuple(math.ceil(n / size) for n, size in zip(self.shape, self.block, strict=True))
+        counts: list[int] = []
+        for n, size in zip(self.shape, self.block, strict=True):
+            counts.append(math.ceil(n / size))
+        return tuple(counts)
 
     @property
     def count(self) -> int:
@@ -36,11 +39,13 @@ class Regions:
         Args:
             index: Index of the region, with the last dimension varying fastest.
         """
-        positions = map(int, np.unravel_index(index, self.grid))
-        return tuple(
-            slice(position * size, min((position + 1) * size, n))
-            for position, size, n in zip(positions, self.block, self.shape, strict=True)
-        )
+        positions = np.unravel_index(index, self.grid)
+        parts: list[slice] = []
+        for position, size, n in zip(positions, self.block, self.shape, strict=True):
+            start = int(position) * size
+            stop = min(start + size, n)
+            parts.append(slice(start, stop))
+        return tuple(parts)
 
     def n_points(self, index: int) -> int:
         """Return the number of points in a region.

@@ -92,9 +92,10 @@ def _swim_regions(
 ) -> Generator[tuple[int, Table, dict[str, Column]]]:
     """Yield index, points and results of the pending regions in order of completion."""
     names = sweep.points.names
-    tables = zip(pending, sweep.tables(map(regions.at, pending)), strict=True)
+    blocks = map(regions.at, pending)
+    tables = zip(pending, sweep.tables(blocks), strict=True)
     if client is not None:
-        from laticauda.studies.cluster import swim_on
+        from laticauda.studies.remote_points import swim_on
 
         yield from swim_on(client, sweep.scenario, names, tables)
         return

@@ -95,12 +95,13 @@ class Grid(_Values):
             counts: Names of parameters that take whole numbers only; ignored, as the values of a
                 grid are given.
         """
+        arrays = [np.asarray(values) for values in self.values.values()]
         for block in blocks:
-            axes = [
-                np.asarray(values)[part]
-                for values, part in zip(self.values.values(), block, strict=True)
-            ]
-            columns = [axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")]
+            axes: list[np.ndarray] = []
+            for array, part in zip(arrays, block, strict=True):
+                axes.append(array[part])
+            grids = np.meshgrid(*axes, indexing="ij")
+            columns = [grid.ravel() for grid in grids]
             yield np.stack(columns, axis=1)
 
     def definition(self) -> dict[str, Any]:
@@ -237,19 +238,26 @@ class Samples:
         """
         qmc = optional_import("A sweep over samples", "scipy", "scale", "scipy.stats.qmc")
         engine = qmc.Halton(len(self.ranges), scramble=True, rng=self.seed)
-        low, high = np.array(list(self.ranges.values())).T
-        is_count = np.array([name in counts for name in self.ranges])
         n_drawn = 0
         for (rows,) in blocks:
             if rows.start > n_drawn:
                 engine.fast_forward(rows.start - n_drawn)
-            unit: Table = engine.random(rows.stop - rows.start)
+            drawn: Table = engine.random(rows.stop - rows.start)
             n_drawn = rows.stop
-            span = high - low
-            # Every whole number in the range has an equal share.
-            steps = np.floor(unit * (span + 1.0))
-            counted = low + np.minimum(steps, span)
-            yield np.where(is_count, counted, low + unit * span)
+            yield self._in_ranges(drawn, counts)
+
+    def _in_ranges(self, drawn: Table, counts: Collection[str]) -> Table:
+        """Return points of the unit cube as points of the ranges."""
+        ends: Table = np.array(list(self.ranges.values()))
+        low = ends[:, 0]
+        high = ends[:, 1]
+        span = high - low
+        # Every whole number in the range has an equal share.
+        steps = np.floor(drawn * (span + 1.0))
+        counted = low + np.minimum(steps, span)
+        measured = low + drawn * span
+        is_count = np.array([name in counts for name in self.ranges])
+        return np.where(is_count, counted, measured)
 
     def definition(self) -> dict[str, Any]:
         """Return the definition of the points for a file."""

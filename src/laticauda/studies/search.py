@@ -61,7 +61,9 @@ class Search:
         return np.array(self._generation.get("X"), dtype=float)
 
     def tell(
-        self, losses: Float[np.ndarray, "n n_objectives"], violation: Float[np.ndarray, " n"]
+        self,
+        losses: Float[np.ndarray, "n n_objectives"],
+        violation: Float[np.ndarray, " n"],
     ) -> None:
         """Report the results of the points of the last generation.
 
@@ -82,7 +84,11 @@ def package_versions() -> dict[str, str]:
     Raises:
         MissingExtra: If pymoo is not installed.
     """
-    return {"numpy": np.__version__, "pymoo": str(_import_pymoo("version").__version__)}
+    pymoo_version = _import_pymoo("version").__version__
+    return {
+        "numpy": np.__version__,
+        "pymoo": str(pymoo_version),
+    }
 
 
 def _build_algorithm(n_objectives: int, population: int) -> Any:

@@ -105,7 +105,11 @@ class Merged:
 
 
 def merge_shares(
-    sweep: Sweep, folder: str | Path, *, progress: Progress = silent, region_size: int | None = None
+    sweep: Sweep,
+    folder: str | Path,
+    *,
+    progress: Progress = silent,
+    region_size: int | None = None,
 ) -> Merged:
     """Put the shares of a sweep together; what is there already is kept, and what is missing can follow.
 
@@ -123,7 +127,8 @@ def merge_shares(
     """
     stored_shares = _find_shares(folder)
     if region_size is None:
-        region_size = region_size_for(sweep, stored_shares[-1].share.count)
+        n_shares = stored_shares[-1].share.count
+        region_size = region_size_for(sweep, n_shares)
     with open_store(folder, sweep, region_size=region_size, resume=True) as store:
         progress(store.n_done, sweep.n_trials)
         for stored_share in stored_shares:
@@ -131,7 +136,8 @@ def merge_shares(
                 _copy_share(stored_share.folder, store, progress)
         shares = _list_shares(stored_shares)
         unfinished = tuple(share for share in shares if not _is_finished(share, store))
-    return Merged(results=open_unread(Path(folder)), n_done=store.n_done, unfinished=unfinished)
+    results = open_unread(Path(folder))
+    return Merged(results=results, n_done=store.n_done, unfinished=unfinished)
 
 
 def _copy_share(folder: Path, store: Store, progress: Progress) -> None:
@@ -149,13 +155,20 @@ def _find_shares(folder: str | Path) -> list[_StoredShare]:
     for neighbour in path.parent.glob(f"{path.name}.share-*"):
         match = FOLDER_OF_SHARE.fullmatch(neighbour.name.removeprefix(path.name))
         if match:
-            share = Share(number=int(match["number"]), count=int(match["count"]))
+            share = Share(
+                number=int(match["number"]),
+                count=int(match["count"]),
+            )
             stored_shares.append(_StoredShare(share, neighbour))
     if not stored_shares:
         example = f"{path.name}.share-1-of-4"
         rule = f"must have shares beside it, such as {example}, got {path} without any"
         raise BadArgument("folder", rule)
-    return sorted(stored_shares, key=lambda stored: (stored.share.count, stored.share.number))
+
+    def count_and_number(stored_share: _StoredShare) -> tuple[int, int]:
+        return stored_share.share.count, stored_share.share.number
+
+    return sorted(stored_shares, key=count_and_number)
 
 
 def _list_shares(stored_shares: list[_StoredShare]) -> list[Share]:
@@ -236,7 +249,8 @@ def parse_share(text: str) -> Share:
     match = re.fullmatch(r"(\d+)/(\d+)", text)
     if match is None:
         raise BadArgument("share", f"must be NUMBER/COUNT, such as 3/16, got {text}")
-    number, count = map(int, match.groups())
+    number = int(match[1])
+    count = int(match[2])
     check_whole_number("share", count, 1)
     if not 1 <= number <= count:
         raise BadArgument("share", f"must be between 1/{count} and {count}/{count}, got {text}")

@@ -77,9 +77,11 @@ class Store:
         block = self.regions.at(index)
         parameters = dict(zip(self.sweep.points.names, table.T, strict=True))
         columns = {**results, **parameters}
-        with storage(self.folder, f"{self.n_done} of {self.sweep.n_trials} trials are stored"):
+        shape = block_shape(block)
+        what_is_there = f"{self.n_done} of {self.sweep.n_trials} trials are stored"
+        with storage(self.folder, what_is_there):
             for name, array in self.arrays.items():
-                array[block] = columns[name].reshape(block_shape(block))
+                array[block] = columns[name].reshape(shape)
             self.marks.seek(index)
             self.marks.write(bytes([damage.STORED]))
         self.done[index] = True
@@ -302,7 +304,8 @@ def _forget_damaged_regions(
 def _open_arrays(zarr: Any, path: Path, sweep: Sweep, regions: Regions) -> dict[str, Any]:
     """Return the arrays that are written region by region."""
     with readable(path, RESULTS):
-        group = zarr.open_group(str(path / RESULTS), mode="r+", use_consolidated=False)
+        folder = str(path / RESULTS)
+        group = zarr.open_group(folder, mode="r+", use_consolidated=False)
         # A chunk without numbers is written, too: a missing file is damage.
         with zarr.config.set({"array.write_empty_chunks": True}):
             arrays = {name: group[name] for name in _names_by_region(sweep)}

@@ -221,7 +221,10 @@ def count_points(regions: Regions, done: np.ndarray) -> int:
         regions: All regions.
         done: Whether each of them is stored.
     """
-    return sum(map(regions.n_points, np.flatnonzero(done).tolist()))
+    n_points = 0
+    for index in np.flatnonzero(done).tolist():
+        n_points += regions.n_points(index)
+    return n_points
 
 
 def _parameter_names(path: Path) -> Iterable[str]:

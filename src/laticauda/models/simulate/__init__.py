@@ -4,6 +4,7 @@ plants.py           plants of scenarios
 runner.py           one run over time, with its controller and log
 timeline.py         spans between control instants, and legs with one command each
 several.py          several runs on threads, or several robots in one scene
+cluster.py          tasks on the workers of a Dask cluster
 many.py             `swim_many`: figures of many runs
 batch_scenarios.py  scenarios and runs of a batch, from the arguments of `swim_many`
 batch_run.py        running a batch, block by block
@@ -72,6 +73,7 @@ if TYPE_CHECKING:
         joint_peaks as joint_peaks,
     )
     from laticauda.models.simulate.batch_run import run_batch as run_batch
+    from laticauda.models.simulate.cluster import connected as connected
     from laticauda.models.simulate.batch_scenarios import runs_of as runs_of
     from laticauda.models.simulate.steered_trials import (
         HasArrived as HasArrived,
@@ -102,6 +104,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
     plain={
         "laticauda.models.simulate.batch_figures": ["Block", "Run", "joint_peaks"],
         "laticauda.models.simulate.batch_run": ["run_batch"],
+        "laticauda.models.simulate.cluster": ["connected"],
         "laticauda.models.simulate.batch_scenarios": ["runs_of"],
         "laticauda.models.simulate.steered_trials": ["HasArrived", "swim_side_by_side"],
         "laticauda.models.simulate.run_table": ["RunTable", "make_run_table", "scenarios_at"],

@@ -1,30 +1,26 @@
-"""Run a sweep on a Dask cluster; all use of dask is in this module.
+"""Run tasks on a Dask cluster; all use of dask is in this module.
 
-Each region is one task: about a second of work, compared with a few milliseconds of scheduler
-overhead per task. Only a few tasks per thread are in flight at a time, so neither the scheduler nor
-this process ever holds the whole sweep. Results return to this process, which alone writes the
-folder: workers need no shared disk, nothing is written twice, and a worker that dies leaves nothing
-behind. Results are small, about fifty bytes per trial.
+Each task should be about a second of work, compared with a few milliseconds of scheduler overhead
+per task. Only a few tasks per thread are in flight at a time, so neither the scheduler nor this
+process ever holds all of them. Results return to this process, which alone writes files: workers
+need no shared disk, nothing is written twice, and a worker that dies leaves nothing behind.
 
-If a worker dies, the scheduler reassigns its tasks to others. If the scheduler goes away, the sweep
-ends with an error; stored results are kept, and the next call continues from there.
+If a worker dies, the scheduler reassigns its tasks to others. If the scheduler goes away, the work
+ends with an error.
 """
 
 import logging
 import queue
 import socket
 import time
-from collections.abc import Generator, Iterator
+from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, TypeVar
 
-import numpy as np
-
-from laticauda import scenarios
-from laticauda.studies.point_trials import Column, swim_points
-from laticauda.studies.sampling import Table
 from laticauda.values import ClusterFailed, LaticaudaError, __version__, optional_import
+
+Result = TypeVar("Result")
 
 TASKS_PER_THREAD = 2
 """Tasks in flight per thread of the cluster, so that no thread waits for this process."""
@@ -39,18 +35,17 @@ CONNECT_TIMEOUT = 10.0
 CLOSE_TIMEOUT = 2.0
 """Time that is given to closing the client [s]."""
 MOST_DEATHS = 3
-"""Times that the workers of a region may die, each time after the scheduler's own attempts."""
-GO_ON = "Stored results are not lost: run the same again to continue."
+"""Times that the workers of a task may die, each time after the scheduler's own attempts."""
 
 
 @dataclass(frozen=True)
 class _Task:
-    """A region on its way through the cluster."""
+    """A call on its way through the cluster."""
 
     index: int
-    """Index of the region."""
-    table: Table
-    """Its points."""
+    """Index of the call."""
+    arguments: tuple[Any, ...]
+    """Its arguments."""
     n_deaths: int = 0
     """How often the scheduler gave it up because its workers died."""
 
@@ -98,47 +93,60 @@ def connected(address: str | None) -> Generator[Any]:
         client.close(timeout=CLOSE_TIMEOUT)
 
 
-def swim_on(
-    client: Any,
-    scenario: scenarios.Scenario,
-    names: tuple[str, ...],
-    tables: Iterator[tuple[int, Table]],
-) -> Iterator[tuple[int, Table, dict[str, Column]]]:
-    """Simulate the points of some regions on the workers of a cluster.
+def count_threads(client: Any, hint: str = "") -> int:
+    """Return the number of threads that a cluster has now.
 
     Args:
         client: A `dask.distributed.Client`.
-        scenario: What all trials share.
-        names: Names of the parameters.
-        tables: Index and points of every region, consumed as the work proceeds.
-
-    Yields:
-        Index, points and results of a region, in order of completion.
+        hint: What is left after a failure, and what to do, as a sentence for the error.
 
     Raises:
-        ClusterFailed: If the scheduler goes away, there is no worker for a minute, a region kills
-            one worker after another, or workers have a different version of laticauda.
+        ClusterFailed: If the scheduler went away.
+    """
+    return next(_watch_threads(client, hint))
+
+
+def call_on(
+    client: Any,
+    work: Callable[..., Result],
+    calls: Iterator[tuple[int, tuple[Any, ...]]],
+    hint: str = "",
+) -> Iterator[tuple[int, Result]]:
+    """Call a function on the workers of a cluster, once for each tuple of arguments.
+
+    Args:
+        client: A `dask.distributed.Client`.
+        work: The function, from a module that the workers have, too.
+        calls: Index and arguments of every call, consumed as the work proceeds.
+        hint: What is left after a failure, and what to do, as a sentence for the error.
+
+    Yields:
+        Index and result of a call, in order of completion.
+
+    Raises:
+        ClusterFailed: If the scheduler goes away, there is no worker for a minute, a call kills one
+            worker after another, or workers have a different version of laticauda.
     """
     distributed = _import_distributed()
     tasks: dict[Any, _Task] = {}
     finished: queue.SimpleQueue[Any] = queue.SimpleQueue()
-    thread_counts = _watch_threads(client)
+    thread_counts = _watch_threads(client, hint)
 
     def submit(task: _Task) -> None:
-        key = f"sweep-{task.index}-{time.time_ns()}"  # never the key of another call
-        arguments = (__version__, scenario, names, task.table)
-        future = client.submit(_swim_on_worker, *arguments, pure=False, key=key)
+        key = f"{work.__name__}-{task.index}-{time.time_ns()}"  # never the key of another call
+        arguments = (__version__, work, task.arguments)
+        future = client.submit(_call_on_worker, *arguments, pure=False, key=key)
         tasks[future] = task
         future.add_done_callback(finished.put)
 
     def fill() -> None:
         most_tasks = max(1, TASKS_PER_THREAD * next(thread_counts))
         while len(tasks) < most_tasks:
-            region = next(tables, None)
-            if region is None:
+            call = next(calls, None)
+            if call is None:
                 return
-            index, table = region
-            submit(_Task(index=index, table=table))
+            index, arguments = call
+            submit(_Task(index=index, arguments=arguments))
 
     try:
         while True:
@@ -150,68 +158,54 @@ def swim_on(
             except queue.Empty:
                 continue
             try:
-                results = future.result(timeout=RESULT_TIMEOUT)
+                result = future.result(timeout=RESULT_TIMEOUT)
             except TimeoutError:  # its worker died with the result, which is computed again
                 finished.put(future)
             except distributed.KilledWorker as error:
-                submit(_task_after_death(tasks.pop(future), error))
+                submit(_task_after_death(tasks.pop(future), error, hint))
             else:
                 task = tasks.pop(future)
-                yield task.index, task.table, results
+                yield task.index, result
     except LaticaudaError:
         raise
     except (OSError, distributed.CancelledError, RuntimeError) as error:
-        raise ClusterFailed(f"the Dask scheduler went away. {GO_ON}") from error
+        raise ClusterFailed(_with_hint("the Dask scheduler went away.", hint)) from error
     except ImportError as error:
-        raise ClusterFailed(
-            f"the workers need laticauda {__version__}: {error}. {GO_ON}"
-        ) from error
+        message = f"the workers need laticauda {__version__}: {error}."
+        raise ClusterFailed(_with_hint(message, hint)) from error
     finally:
         if tasks and client.status == "running":
             client.cancel(list(tasks), force=True)
 
 
-def swim_points_on(
-    client: Any, scenario: scenarios.Scenario, names: tuple[str, ...], table: Table
-) -> dict[str, Column]:
-    """Simulate the trials of some points on the workers of a cluster, in pieces for all of its threads.
+def map_on(
+    client: Any, work: Callable[..., Result], calls: Sequence[tuple[Any, ...]], hint: str = ""
+) -> list[Result]:
+    """Call a function on the workers of a cluster, and return all results in the order of the calls.
 
     Args:
         client: A `dask.distributed.Client`.
-        scenario: What all trials share.
-        names: Names of the parameters, one per column of the table.
-        table: The points, one per row.
-
-    Returns:
-        As `swim_points` does in this process, to the same bits (on processors of one kind).
+        work: The function, from a module that the workers have, too.
+        calls: Arguments of every call.
+        hint: What is left after a failure, and what to do, as a sentence for the error.
 
     Raises:
-        ClusterFailed: As `swim_on`.
+        ClusterFailed: As `call_on`.
     """
-    n_pieces = min(len(table), TASKS_PER_THREAD * next(_watch_threads(client)))
-    pieces = np.array_split(table, max(n_pieces, 1))
-    results_of_piece = {
-        index: results for index, _, results in swim_on(client, scenario, names, enumerate(pieces))
-    }
-    in_order = [results_of_piece[index] for index in range(len(pieces))]
-    joined: dict[str, Column] = {}
-    for name in in_order[0]:
-        columns = [results[name] for results in in_order]
-        joined[name] = np.concatenate(columns)
-    return joined
+    result_of_call = dict(call_on(client, work, enumerate(calls), hint))
+    return [result_of_call[index] for index in range(len(calls))]
 
 
-def _task_after_death(task: _Task, error: Exception) -> _Task:
+def _task_after_death(task: _Task, error: Exception, hint: str) -> _Task:
     """Return the task to submit again after its workers died; raise if they died too often."""
     n_deaths = task.n_deaths + 1
     if n_deaths >= MOST_DEATHS:
-        raise ClusterFailed(
-            f"workers keep dying on the same trials; do they have enough memory? {GO_ON}"
-        ) from error
-    return _Task(index=task.index, table=task.table, n_deaths=n_deaths)
+        message = "workers keep dying on the same trials; do they have enough memory?"
+        raise ClusterFailed(_with_hint(message, hint)) from error
+    return replace(task, n_deaths=n_deaths)
 
 
-def _watch_threads(client: Any) -> Iterator[int]:
+def _watch_threads(client: Any, hint: str) -> Iterator[int]:
     """Yield the cluster's number of threads as long as there are a scheduler and workers."""
     had_worker_at = time.monotonic()
     while client.status == "running":
@@ -220,23 +214,28 @@ def _watch_threads(client: Any) -> Iterator[int]:
         if n_threads:
             had_worker_at = now
         if now - had_worker_at > NO_WORKER_TIMEOUT:
-            raise ClusterFailed(
+            message = (
                 f"the cluster had no worker for {NO_WORKER_TIMEOUT:g} s; "
-                f"start some with `dask worker`. {GO_ON}"
+                "start some with `dask worker`."
             )
+            raise ClusterFailed(_with_hint(message, hint))
         yield n_threads
-    raise ClusterFailed(f"the Dask scheduler went away. {GO_ON}")
+    raise ClusterFailed(_with_hint("the Dask scheduler went away.", hint))
 
 
-def _swim_on_worker(
-    version: str, scenario: scenarios.Scenario, names: tuple[str, ...], table: Table
-) -> dict[str, Column]:
-    """Simulate points with one thread: a worker runs as many tasks as it has threads."""
+def _with_hint(message: str, hint: str) -> str:
+    return f"{message} {hint}".rstrip()
+
+
+def _call_on_worker(
+    version: str, work: Callable[..., Result], arguments: tuple[Any, ...]
+) -> Result:
+    """Call a function with its arguments, if this worker has the version of the caller."""
     if version != __version__:
         raise ClusterFailed(
             f"the workers must have laticauda {version}, as this process does, got {__version__}."
         )
-    return swim_points(scenario, names, table, threads=1)
+    return work(*arguments)
 
 
 def _import_distributed() -> Any:
