@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from laticauda.water.fluid.edges import plate_functions
+from laticauda.water.mujoco import shape_mass
 from laticauda.water.mujoco.shape_drag import drag_of_box
 from laticauda.water.mujoco.shape_mass import added_mass
 from laticauda.water.plates import plate_drag
@@ -21,10 +22,27 @@ def test_the_added_mass_of_plates_is_the_handbook_s():
 
 
 @given(st.floats(0.02, 50.0))
-def test_a_plate_carries_the_same_water_by_the_vortex_lattice_and_by_the_panels_of_boxes(aspect):
-    box = added_mass("box", (0.5, 1e-6, 0.5 * aspect))
-    share = box.mass[1] / (0.25 * math.pi * aspect**2)
-    assert share_of(aspect) == pytest.approx(share, rel=0.02)
+def test_a_flat_box_carries_the_water_of_a_fin(aspect):
+    box = added_mass("box", (0.5, 1e-9, 0.5 * aspect))
+    slender = 0.25 * math.pi * aspect**2
+    assert box.mass[1] / slender == pytest.approx(share_of(aspect), rel=0.005)
+    rotary = plate_functions(aspect).rotary
+    assert box.inertia[2] / (slender / 12.0) == pytest.approx(rotary, rel=0.01)
+
+
+def test_panels_of_boxes_carry_the_water_of_the_vortex_lattice_within_two_percent():
+    table = shape_mass._box_table()
+    for k, aspect in enumerate(table.slender[1:], start=1):
+        shares = table.shares[0, k, list(shape_mass.ACROSS_PLATE)]
+        assert shares == pytest.approx(shape_mass._plate_shares(float(aspect)), rel=0.02)
+
+
+def test_thin_boxes_carry_more_water_the_thicker_they_are():
+    masses = [
+        added_mass("box", (0.5, 0.5 * thickness, 0.3)).mass[1]
+        for thickness in (1e-9, 1e-3, 3e-3, 0.01, 0.03)
+    ]
+    assert masses == sorted(masses)
 
 
 @given(st.floats(1e-3, 1e3))

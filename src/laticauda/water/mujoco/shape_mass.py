@@ -2,7 +2,8 @@
 
 The tables were computed with boundary elements (campaigns/added_mass.py). They hold shares of simple
 expressions, the scales below, which have the right limits for plates and rods, so that every share
-lies between 0.1 and 4 and varies slowly with the proportions.
+lies between 0.1 and 4 and varies slowly with the proportions. A box without thickness is a plate: what it
+carries across itself comes from the same functions as that of fins (`laticauda.water.fluid.edges`).
 """
 
 import csv
@@ -13,6 +14,7 @@ from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
+from laticauda.water.fluid.edges import plate_functions
 from laticauda.water.mujoco.lamb import lamb
 
 MassShape: TypeAlias = Literal["ellipsoid", "cylinder", "capsule", "box"]
@@ -29,6 +31,10 @@ BOX_COLUMNS = (
 )
 ROUND_COLUMNS = ("shape", "length", "mass_along", "mass_across", "inertia_across")
 """Length is h / (h + r), with h half the length of the cylinder or of the capsule's cylinder."""
+
+
+ACROSS_PLATE = (0, 4, 5)
+"""Columns of a box's shares that move water across a plate: those of `_plate_shares`."""
 
 
 class AddedMass(NamedTuple):
@@ -161,8 +167,25 @@ def _box_shares(thin: float, slender: float) -> np.ndarray:
     row, in_row = _place_in(table.thin, thin)
     column, in_column = _place_in(table.slender, slender)
     shares = table.shares[row : row + 2, column : column + 2]
+    if row == 0:
+        shares = shares.copy()
+        shares[0][:, ACROSS_PLATE] = _plate_shares(slender)
     of_rows: np.ndarray = (1.0 - in_row) * shares[0] + in_row * shares[1]
     return (1.0 - in_column) * of_rows[0] + in_column * of_rows[1]
+
+
+def _plate_shares(slender: float) -> tuple[float, float, float]:
+    """Return the shares of a box without thickness: mass across it, inertia about its middle and its long side.
+
+    It turns about its middle side as a plate does whose chord is the long one, and about its long side as
+    one whose chord is the middle one.
+
+    Args:
+        slender: Middle over long side [-].
+    """
+    along = plate_functions(slender)
+    upright = plate_functions(1.0 / slender)
+    return along.added_mass, along.rotary, 8.0 / 3.0 * upright.rotary / slender
 
 
 def _place_in(grid: np.ndarray, value: float) -> tuple[int, float]:
