@@ -59,6 +59,8 @@ def test_the_head_is_half_a_body_ahead_of_a_straight_robot():
         assert head.position[:2] == pytest.approx([1.0, 2.0 + ahead], abs=1e-5)
         assert body.position[:2] == pytest.approx([1.0, 2.0], abs=1e-5)
         assert body.rotation[:, 0] == pytest.approx([0.0, 1.0, 0.0], abs=1e-5)
+        assert body.tail_end[:2] == pytest.approx([1.0, 2.0 - 0.5 * robot.length], abs=1e-5)
+        assert body.tail_rotation[:, 0] == pytest.approx([0.0, 1.0, 0.0], abs=1e-5)
 
 
 def test_a_step_tells_the_power_of_joints_and_electronics():

@@ -34,6 +34,10 @@ class VehicleMotion:
     """Body axes as columns, in world axes [-]."""
     velocity: Vector
     """World axes [m/s]."""
+    tail_end: Vector
+    """Tail end of the tail module, where models of the robot have their root, world axes [m]."""
+    tail_rotation: Rotation
+    """Axes of the tail module as columns, in world axes [-]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,7 +93,17 @@ class MotionTracker:
             rotation = poses.rotation[-1]
             if before is not None:
                 velocity = (position - before.position) / (time - before.time)
-        return VehicleMotion(time=time, position=position, rotation=rotation, velocity=velocity)
+        tail_rotation = poses.rotation[0]
+        half_length = self._robot.modules[0].half_length
+        tail_end = poses.position[0] - half_length * tail_rotation[:, 0] - self._surface
+        return VehicleMotion(
+            time=time,
+            position=position,
+            rotation=rotation,
+            velocity=velocity,
+            tail_end=tail_end,
+            tail_rotation=tail_rotation,
+        )
 
     def _poses(self, log: Log, index: int) -> ModulePoses:
         """Return the poses of all modules at a sample of a log."""

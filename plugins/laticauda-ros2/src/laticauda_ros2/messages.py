@@ -12,7 +12,7 @@ from typing import Any
 
 from cyclonedds.idl import make_idl_struct
 from cyclonedds.idl.annotations import final
-from cyclonedds.idl.types import float64, int32, sequence, uint32
+from cyclonedds.idl.types import array, float32, float64, int32, sequence, uint8, uint32
 
 
 def _type(name: str, /, **fields: Any) -> Any:
@@ -41,6 +41,54 @@ Layout = _type("std_msgs/MultiArrayLayout", dim=sequence[Dimension], data_offset
 Float64MultiArray = _type("std_msgs/Float64MultiArray", layout=Layout, data=sequence[float64])
 
 
+Vector3 = _type("geometry_msgs/Vector3", x=float64, y=float64, z=float64)
+Twist = _type("geometry_msgs/Twist", linear=Vector3, angular=Vector3)
+TwistWithCovariance = _type(
+    "geometry_msgs/TwistWithCovariance", twist=Twist, covariance=array[float64, 36]
+)
+PoseWithCovariance = _type(
+    "geometry_msgs/PoseWithCovariance", pose=Pose, covariance=array[float64, 36]
+)
+Odometry = _type(
+    "nav_msgs/Odometry",
+    header=Header,
+    child_frame_id=str,
+    pose=PoseWithCovariance,
+    twist=TwistWithCovariance,
+)
+Imu = _type(
+    "sensor_msgs/Imu",
+    header=Header,
+    orientation=Quaternion,
+    orientation_covariance=array[float64, 9],
+    angular_velocity=Vector3,
+    angular_velocity_covariance=array[float64, 9],
+    linear_acceleration=Vector3,
+    linear_acceleration_covariance=array[float64, 9],
+)
+FluidPressure = _type(
+    "sensor_msgs/FluidPressure", header=Header, fluid_pressure=float64, variance=float64
+)
+_RANGE = {
+    "header": Header,
+    "radiation_type": uint8,
+    "field_of_view": float32,
+    "min_range": float32,
+    "max_range": float32,
+    "range": float32,
+}
+Range = _type("sensor_msgs/Range", **_RANGE, variance=float32)
+RangeOfHumble = _type("sensor_msgs/Range", **_RANGE)
+"""Humble's has no variance; those of Jazzy and Kilted have one."""
+Transform = _type("geometry_msgs/Transform", translation=Vector3, rotation=Quaternion)
+TransformStamped = _type(
+    "geometry_msgs/TransformStamped", header=Header, child_frame_id=str, transform=Transform
+)
+TFMessage = _type("tf2_msgs/TFMessage", transforms=sequence[TransformStamped])
+Clock = _type("rosgraph_msgs/Clock", clock=Time)
+Empty = _type("std_msgs/Empty", structure_needs_at_least_one_member=uint8)
+
+
 def numbers(values: Any) -> Any:
     """A `Float64MultiArray` of these values, as `ros2 topic pub` would make it."""
     return Float64MultiArray(
@@ -58,3 +106,12 @@ def stamped(time: float, frame: str = "") -> Any:
     sec, fraction = divmod(time, 1.0)
     nanosec = min(round(fraction * 1e9), 999_999_999)
     return Header(stamp=Time(sec=int(sec), nanosec=nanosec), frame_id=frame)
+
+
+def clock(time: float) -> Any:
+    """A `Clock`.
+
+    Args:
+        time: What it shows [s].
+    """
+    return Clock(clock=stamped(time).stamp)
