@@ -29,7 +29,7 @@ LEFT_OUT = {
     "laticauda.cli.inverse",
     *(
         f"laticauda.models.planar.{name}"
-        for name in ("drives", "loads", "prescribed", "recursion", "stepping")
+        for name in ("adjoint", "drives", "loads", "prescribed", "recursion", "stepping")
     ),
     *(f"laticauda.models.spatial.{name}" for name in ("drives", "stepping")),
     "laticauda.models.simulate.harvest",

@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 
 import laticauda as lc
-from laticauda.models.simulate import compute_sensitivities
+from laticauda.models.planar import reverse
+from laticauda.models.simulate import build_plant, compute_sensitivities
 from laticauda.models.simulate.numbers import UNITS, change_parameters
 from laticauda.robot import Tether, load_robot, load_water
 from laticauda.scenarios import Command, OpenLoop
-from laticauda.water.fluid.laws import PolynomialDrag, TotalSpeedDrag
+from laticauda.water.fluid.laws import FunctionDrag, PolynomialDrag, TotalSpeedDrag
 
 GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.31, phase_shift=0.7, offset=0.03)
 FINNED = replace(load_robot("mamba-fin"), tether=Tether(drag=0.8))
@@ -200,11 +201,45 @@ def test_a_modules_own_coefficient_begins_at_the_waters():
     )
 
 
+@pytest.mark.parametrize("duration", [4.0, 30.0])
+def test_many_numbers_are_differentiated_backward_with_the_same_result(duration):
+    figures = ["steady_speed_through_water", "mean_power", "heading", "cost_of_transport", "x"]
+    gaits = [replace(GAIT, amplitude=a) for a in (0.3, 0.5)]
+    settings = {"environments": WATER, "figures": figures}
+    backward = compute_sensitivities(FINNED, gaits, duration, names=NAMES, **settings)
+    halves = [
+        compute_sensitivities(FINNED, gaits, duration, names=names, **settings)
+        for names in (NAMES[:8], NAMES[8:])
+    ]
+    forward = np.concatenate([half.jacobian for half in halves], axis=2)
+    np.testing.assert_allclose(backward.values, halves[0].values, rtol=1e-12)
+    scale = np.abs(forward).max(axis=2, keepdims=True)
+    np.testing.assert_allclose(backward.jacobian / scale, forward / scale, rtol=1e-10, atol=1e-12)
+    assert backward.figures == tuple(figures)
+
+
+def test_laws_and_waters_that_cannot_go_backward_are_differentiated_forward():
+    def branching(v_t, v_n, across, rate, element):
+        if v_t > 0.0:
+            return -element.c_t * v_t, -element.c_n * v_n, 0.0
+        return -2.0 * element.c_t * v_t, -element.c_n * v_n, 0.0
+
+    flow = replace(lc.load_current("turbulence"), modes=2)
+    for water in (
+        replace(WATER, drag=FunctionDrag(function=branching)),
+        replace(WATER, current=flow),
+    ):
+        assert reverse.find_obstacle(build_plant(FINNED, water)) is not None
+    assert reverse.find_obstacle(build_plant(FINNED, WATER, joints="pd")) is not None
+    assert reverse.find_obstacle(build_plant(FINNED, WATER)) is None
+
+
 @pytest.mark.usefixtures("limit_case")
-def test_a_trial_that_diverges_has_no_derivatives():
+@pytest.mark.parametrize("names", [["gait.amplitude"], NAMES], ids=["forward", "backward"])
+def test_a_trial_that_diverges_has_no_derivatives(names):
     wild = replace(WATER, normal_drag=1e4)
     found = compute_sensitivities(
-        FINNED, GAIT, 14.0, environments=[WATER, wild], names=["gait.amplitude"], dt=0.05
+        FINNED, GAIT, 14.0, environments=[WATER, wild], names=names, figures=["x", "y"], dt=0.05
     )
     assert found.succeeded.tolist() == [True, False]
     assert np.isfinite(found.jacobian[0]).all()

@@ -13,6 +13,9 @@ shape          what of the shape of a robot with prescribed joints concerns all 
 drives         the reference generator, the joint laws and the work of the joints (template)
 prescribed     the same as recursion, faster, where all joints are prescribed (template)
 stepping       steps in time, by one of two integrators (template)
+adjoint        derivatives backward in time (template)
+pullbacks      the formulas that it is made of, traced
+reverse        driving it, segment by segment
 model          a single robot as a `Plant`
 batch          many runs at once
 given_motion   loads of a motion that is known, as from a film

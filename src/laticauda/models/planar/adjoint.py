@@ -117,12 +117,12 @@ def pull_segment(
     Args:
         flat: Rows with the state at the begin of the segment.
         bars: Bars of all rows.
-        n: Number of bodies; with the arguments up to `has_extras` the shape of the chain.
-        first_strip: See `layout.Layout`.
-        first_plate: See `layout.Layout`.
-        law: See `layout.Layout`.
-        tail_link: See `layout.Layout`.
-        has_extras: See `layout.Layout`.
+        n: Number of bodies.
+        first_strip: Strips first_strip[i] to first_strip[i + 1] are rigidly attached to body i.
+        first_plate: The same for pectoral fins.
+        law: Joint law at the tail end of each body.
+        tail_link: Index of the body that is the robot's tail link.
+        has_extras: Whether any body has loads in addition to its own drag.
         steps: Steps of the segment.
         dt: Time step.
         every: Steps between two samples.

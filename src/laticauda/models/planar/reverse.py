@@ -21,7 +21,7 @@ from laticauda.models.planar.batch import (
     columns_of,
     side_by_side,
 )
-from laticauda.models.planar.model import TEMPLATES
+from laticauda.models.planar.model import TEMPLATES, PlanarPlant
 from laticauda.values import Formula
 
 SEGMENT = 50
@@ -29,11 +29,41 @@ SEGMENT = 50
 SEED_ROWS = rows.BASE_ROWS + rows.N_WORKS
 """Numbers of a sample with respect to which a derivative can begin: the base's state, HEADING to EDGE_MEMORY, then
 the works."""
+SEED_WORK = rows.BASE_ROWS
+"""The first work among these numbers."""
 ADJOINT_TEMPLATES = {
     **TEMPLATES,
     "adjoint": ("n_lanes", "drag_law", "flow_parts", "joint_law", "pullbacks"),
 }
 """Templates of the kernels that go backward, see `model.TEMPLATES`."""
+
+
+def seed_of(row: int) -> int:
+    """Return the place of a row of the base's state among the SEED_ROWS.
+
+    Args:
+        row: One of HEADING to EDGE_MEMORY.
+    """
+    return row - rows.HEADING
+
+
+def find_obstacle(plant: PlanarPlant) -> str | None:
+    """Return what keeps the runs of a plant from being differentiated backward; None if nothing does.
+
+    Args:
+        plant: The plant.
+    """
+    from laticauda.compiling.pullbacks import NotTraceable
+
+    if plant.is_implicit:
+        return "its joints are driven, or its fin bends"
+    if plant.flow.kinds:
+        return "the water has a flow that depends on place or time"
+    try:
+        specialize(WIDTH, plant.law.formula)
+    except NotTraceable as error:
+        return f"its drag law is no mere arithmetic: {error}"
+    return None
 
 
 def specialize(width: int, drag_law: Formula) -> ModuleType:
@@ -69,11 +99,11 @@ def march_back(
     """Simulate up to WIDTH runs of one kind side by side, and differentiate a number of each to all its rows.
 
     Args:
-        runs: The runs, of which `batch.kinds_of` makes one kind, and which `check` accepts.
+        runs: The runs, of which `batch.kinds_of` makes one kind, and `find_obstacle` finds nothing against.
         duration: Duration of every run [s].
         sample_interval: Time between two samples [s]; adjusted so that it divides `duration`.
         seed: Returns the derivatives of the number of each run to the samples of its log: SEED_ROWS for
-            every sample.
+            every sample, finite also where a run diverged.
     """
     plant = runs[0].plant
     n_intervals = max(1, round(duration / sample_interval))
@@ -84,6 +114,7 @@ def march_back(
     log = aligned((1 + n_intervals, PATH_ROWS, WIDTH), float)
     advance = plant.kernels_of(WIDTH).run
     states: list[np.ndarray] = []
+    is_well = np.full(WIDTH, True)
     n_samples = np.zeros(WIDTH, dtype=int)
     intervals = max(1, SEGMENT // every)
     begins = range(0, n_intervals, intervals)
@@ -92,7 +123,11 @@ def march_back(
         states.append(S[HEADER_STATE].copy())
         part = log[begin : begin + count + 1]
         advance(S, *chain, False, count * every, dt, every, part)
-        n_samples += S[rows.SAMPLES].astype(int) - (begin > 0)
+        n_written = S[rows.SAMPLES].astype(int)
+        # The first sample of a further segment is the last one of the segment before.
+        n_repeated = 0 if begin == 0 else 1
+        n_samples += is_well * np.maximum(n_written - n_repeated, 0)
+        is_well &= n_written == count + 1
     block = block_of(
         np.arange(len(runs)), log[..., : len(runs)], S[:, : len(runs)], n_samples[: len(runs)]
     )

@@ -20,6 +20,7 @@ parameter_paths.py  steps of these names, and changing what they lead to
 sensitivity.py      `compute_sensitivities`: figures and their derivatives
 derivatives.py      batches that carry derivatives
 row_derivatives.py  how a number enters a run
+gradients.py        derivatives of a few figures to many numbers, backward in time
 certainty.py        intervals of figures, from those of coefficients
 """
 

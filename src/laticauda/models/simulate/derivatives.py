@@ -55,7 +55,7 @@ def compute_slopes(
     """
     derived_runs: list[batch.Run] = []
     weights = np.empty(len(runs), dtype=complex)
-    shared = _SharedWork()
+    shared = SharedWork()
     for i, (run, number) in enumerate(zip(runs, numbers, strict=True)):
         derivative = shared.derivative_of(run, number)
         plant = run.plant
@@ -118,8 +118,8 @@ class _DerivativeKey(NamedTuple):
         )
 
 
-class _SharedWork:
-    """What runs of a batch have in common, computed once.
+class SharedWork:
+    """What runs of a batch have in common for their derivatives, computed once.
 
     Runs share a derivative if they have the same plant object, as `runs_of` gives to all scenarios
     that share robot, environment and model. The plants are compared by identity and must therefore
@@ -132,7 +132,15 @@ class _SharedWork:
         """Plants with extras, by the plant without."""
 
     def derivative_of(self, run: batch.Run, number: Number) -> RowDerivative:
-        """Return how a number enters a run."""
+        """Return how a number enters a run.
+
+        Args:
+            run: The run.
+            number: A number of its scenario.
+
+        Raises:
+            ValueError: If the number cannot change to either side.
+        """
         key = _DerivativeKey.of(run, number)
         if key in self._derivatives:
             return self._derivatives[key]
@@ -143,7 +151,11 @@ class _SharedWork:
         return derivative
 
     def plant_with_extras(self, plant: model.PlanarPlant) -> model.PlanarPlant:
-        """Return a plant with kernels that also compute loads that are 0 now, but whose derivatives are not."""
+        """Return a plant with kernels that also compute loads that are 0 now, but whose derivatives are not.
+
+        Args:
+            plant: Plant with kernels that compute no such loads.
+        """
         if id(plant) not in self._plants:
             self._plants[id(plant)] = _with_extras(plant)
         return self._plants[id(plant)]

@@ -3,14 +3,14 @@
 import functools
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Unpack
+from typing import NamedTuple, Unpack
 
 import numpy as np
 from jaxtyping import Bool, Float
 
 from laticauda import robot
 from laticauda.models.planar import batch
-from laticauda.models.simulate import batch_scenarios
+from laticauda.models.simulate import batch_scenarios, gradients
 from laticauda.models.simulate.derivatives import Number, compute_slopes
 from laticauda.models.simulate.numbers import (
     Parameter,
@@ -23,6 +23,7 @@ from laticauda.models.simulate.run_figures import UNITS
 from laticauda.models.simulate.runner import Progress, silent
 from laticauda.motion.gaits import Gait
 from laticauda.scenarios import ModelChanges, Scenario, interfaces
+from laticauda.trials import REACHED_END
 from laticauda.values import BadArgument, check_choice
 
 
@@ -80,6 +81,7 @@ def compute_sensitivities(
     duration: float = 30.0,
     *,
     names: Sequence[str],
+    figures: Sequence[str] | None = None,
     environments: robot.Environment | Sequence[robot.Environment] | None = None,
     starts: interfaces.Start | Sequence[interfaces.Start] | None = None,
     sample_interval: float = 0.05,
@@ -92,8 +94,11 @@ def compute_sensitivities(
     The derivatives are those of the kernels' results, at the time step of the trial, exact to
     rounding: the kernels carry each number with its derivative (a complex step). Trials and
     parameters are computed side by side; each pair costs as much as three to four trials of a
-    batch. Where a figure has a kink (|u phi'| at u phi' = 0 in a power, saturation of a servo), it
-    is differentiated on either side; over a whole trial, this is not visible.
+    batch. For more than ten parameters, if they are more than twice as many as the `figures` and
+    joints are prescribed, the trials are differentiated backward in time: each figure then costs as
+    much as six trials, however many parameters there are. The results are the same to rounding.
+    Where a figure has a kink (|u phi'| at u phi' = 0 in a power, saturation of a servo), it is
+    differentiated on either side; over a whole trial, this is not visible.
 
     Args:
         robots: The scenarios, all planar, with one duration and sample interval and without
@@ -104,6 +109,7 @@ def compute_sensitivities(
         names: Dotted names of the parameters: `gait.amplitude`, `water.normal_drag`,
             `robot.caudal_fin.length`, `robot.module.mass` (of all modules alike); see
             `laticauda.models.simulate.numbers`.
+        figures: Names of the figures to differentiate; None: all that there are.
         environments: Waters or grounds, one for all or one for each; None uses `default_water` of
             each robot and gait.
         starts: Start of each trial; None: at the origin, along x.
@@ -131,6 +137,7 @@ def compute_sensitivities(
     """
     if isinstance(names, str) or not names:
         raise BadArgument("names", f"must hold at least one name of a parameter, got {names!r}")
+    figures = _check_figures(figures)
     scenarios = batch_scenarios.scenarios_of_batch(
         robots,
         gaits,
@@ -144,31 +151,99 @@ def compute_sensitivities(
     parameters_of_each = [_parameters_of(names, scenario) for scenario in scenarios]
     parameters = parameters_of_each[0]
     point = [_values_of(parameters, scenario) for scenario in scenarios]
-    pairs_of_run: list[batch.Run] = []
-    numbers: list[Number] = []
-    for run, scenario, values in zip(runs, scenarios, point, strict=True):
-        for parameter, value in zip(parameters, values, strict=True):
-            pairs_of_run.append(run)
-            numbers.append(_number_of(scenario, parameter, value))
+    numbers: list[list[Number]] = []
+    for scenario, values in zip(scenarios, point, strict=True):
+        pairs = zip(parameters, values, strict=True)
+        numbers.append([_number_of(scenario, parameter, value) for parameter, value in pairs])
+    plants = [run.plant for run in runs]
+    if gradients.is_cheaper(plants, n_figures=len(figures), n_numbers=len(names)):
+        compute = _differentiate_backward
+    else:
+        compute = _differentiate_forward
+    derivatives = compute(runs, numbers, figures, scenarios[0], threads=threads, progress=progress)
+    return Sensitivities(
+        figures=tuple(figures),
+        parameters=parameters,
+        point=np.array(point),
+        values=derivatives.values,
+        jacobian=derivatives.jacobian,
+        succeeded=np.array([status == REACHED_END for status in derivatives.status]),
+        status=derivatives.status,
+    )
+
+
+class _Derivatives(NamedTuple):
+    """Figures of trials and their derivatives."""
+
+    values: Float[np.ndarray, "n_trials n_figures"]
+    """The figures."""
+    jacobian: Float[np.ndarray, "n_trials n_figures n_parameters"]
+    """Their derivatives."""
+    status: tuple[str, ...]
+    """How each trial ended."""
+
+
+def _differentiate_forward(
+    runs: Sequence[batch.Run],
+    numbers: Sequence[Sequence[Number]],
+    figures: Sequence[str],
+    scenario: Scenario,
+    *,
+    threads: int | None,
+    progress: Progress,
+) -> _Derivatives:
+    """Differentiate trials with one complex run for every number."""
     result = compute_slopes(
-        pairs_of_run,
-        numbers,
-        scenarios[0].duration,
-        sample_interval=scenarios[0].sample_interval,
+        [run for run, numbers_of_run in zip(runs, numbers, strict=True) for _ in numbers_of_run],
+        [number for numbers_of_run in numbers for number in numbers_of_run],
+        scenario.duration,
+        sample_interval=scenario.sample_interval,
         threads=threads,
         progress=progress,
     )
-    shape = len(runs), len(names)
-    figures = np.stack([result.figures[name].reshape(shape) for name in UNITS], axis=1)
-    return Sensitivities(
-        figures=tuple(UNITS),
-        parameters=parameters,
-        point=np.array(point),
-        values=np.real(figures[:, :, 0]),
-        jacobian=np.imag(figures) / batch.STEP,
-        succeeded=result.succeeded[:: len(names)],
-        status=result.status[:: len(names)],
+    n_numbers = len(numbers[0])
+    shape = len(runs), n_numbers
+    complex_figures = np.stack([result.figures[name].reshape(shape) for name in figures], axis=1)
+    return _Derivatives(
+        values=np.real(complex_figures[:, :, 0]),
+        jacobian=np.imag(complex_figures) / batch.STEP,
+        status=result.status[::n_numbers],
     )
+
+
+def _differentiate_backward(
+    runs: Sequence[batch.Run],
+    numbers: Sequence[Sequence[Number]],
+    figures: Sequence[str],
+    scenario: Scenario,
+    *,
+    threads: int | None,
+    progress: Progress,
+) -> _Derivatives:
+    """Differentiate trials backward in time, with one sweep for every figure."""
+    results = gradients.compute_jacobians(
+        runs,
+        numbers,
+        [figures] * len(runs),
+        scenario.duration,
+        sample_interval=scenario.sample_interval,
+        threads=threads,
+        progress=progress,
+    )
+    return _Derivatives(
+        values=np.array([result.values for result in results]),
+        jacobian=np.array([result.jacobian for result in results]),
+        status=tuple(result.status for result in results),
+    )
+
+
+def _check_figures(figures: Sequence[str] | None) -> Sequence[str]:
+    """Return the figures to differentiate."""
+    if figures is None:
+        return tuple(UNITS)
+    if isinstance(figures, str) or not figures:
+        raise BadArgument("figures", f"must hold at least one name of a figure, got {figures!r}")
+    return [check_choice("figures", figure, tuple(UNITS)) for figure in figures]
 
 
 def _parameters_of(names: Sequence[str], scenario: Scenario) -> tuple[Parameter, ...]:
