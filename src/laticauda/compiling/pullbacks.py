@@ -95,45 +95,45 @@ class Traced:
         """The number itself, of which conditions are made."""
         return self
 
-    def __add__(self, other: Operand) -> Operand:
-        """self + other."""
-        if _is(other, 0.0):
+    def __add__(self, operand: Operand) -> Operand:
+        """self + operand."""
+        if _is(operand, 0.0):
             return self
-        return self.trace.note("add", self, other)
+        return self.trace.note("add", self, operand)
 
     __radd__ = __add__
 
-    def __sub__(self, other: Operand) -> Operand:
-        """self - other."""
-        if _is(other, 0.0):
+    def __sub__(self, operand: Operand) -> Operand:
+        """self - operand."""
+        if _is(operand, 0.0):
             return self
-        return self.trace.note("subtract", self, other)
+        return self.trace.note("subtract", self, operand)
 
-    def __rsub__(self, other: float) -> Operand:
-        """other - self."""
-        if _is(other, 0.0):
+    def __rsub__(self, operand: float) -> Operand:
+        """operand - self."""
+        if _is(operand, 0.0):
             return -self
-        return self.trace.note("subtract", other, self)
+        return self.trace.note("subtract", operand, self)
 
-    def __mul__(self, other: Operand) -> Operand:
-        """self other."""
-        if _is(other, 0.0):
+    def __mul__(self, operand: Operand) -> Operand:
+        """self operand."""
+        if _is(operand, 0.0):
             return 0.0
-        if _is(other, 1.0):
+        if _is(operand, 1.0):
             return self
-        return self.trace.note("multiply", self, other)
+        return self.trace.note("multiply", self, operand)
 
     __rmul__ = __mul__
 
-    def __truediv__(self, other: Operand) -> Operand:
-        """self / other."""
-        return self.trace.note("divide", self, other)
+    def __truediv__(self, operand: Operand) -> Operand:
+        """self / operand."""
+        return self.trace.note("divide", self, operand)
 
-    def __rtruediv__(self, other: float) -> Operand:
-        """other / self."""
-        if _is(other, 0.0):
+    def __rtruediv__(self, operand: float) -> Operand:
+        """operand / self."""
+        if _is(operand, 0.0):
             return 0.0
-        return self.trace.note("divide", other, self)
+        return self.trace.note("divide", operand, self)
 
     def __neg__(self) -> "Traced":
         """-self."""
@@ -151,29 +151,29 @@ class Traced:
         """|self|."""
         return self.trace.note("magnitude", self)
 
-    def __lt__(self, other: Operand) -> "Traced":
-        """self < other."""
-        return self.trace.note("less", self, other)
+    def __lt__(self, operand: Operand) -> "Traced":
+        """self < operand."""
+        return self.trace.note("less", self, operand)
 
-    def __le__(self, other: Operand) -> "Traced":
-        """self <= other."""
-        return self.trace.note("less_or_equal", self, other)
+    def __le__(self, operand: Operand) -> "Traced":
+        """self <= operand."""
+        return self.trace.note("less_or_equal", self, operand)
 
-    def __gt__(self, other: Operand) -> "Traced":
-        """self > other."""
-        return self.trace.note("less", other, self)
+    def __gt__(self, operand: Operand) -> "Traced":
+        """self > operand."""
+        return self.trace.note("less", operand, self)
 
-    def __ge__(self, other: Operand) -> "Traced":
-        """self >= other."""
-        return self.trace.note("less_or_equal", other, self)
+    def __ge__(self, operand: Operand) -> "Traced":
+        """self >= operand."""
+        return self.trace.note("less_or_equal", operand, self)
 
-    def __and__(self, other: "Traced") -> "Traced":
+    def __and__(self, operand: "Traced") -> "Traced":
         """Return whether both hold."""
-        return self.trace.note("both", self, other)
+        return self.trace.note("both", self, operand)
 
-    def __or__(self, other: "Traced") -> "Traced":
+    def __or__(self, operand: "Traced") -> "Traced":
         """Return whether either holds."""
-        return self.trace.note("either", self, other)
+        return self.trace.note("either", self, operand)
 
     def __bool__(self) -> bool:
         """Refuse to decide: which way a formula goes must not depend on its numbers."""
@@ -222,17 +222,17 @@ class Trace:
         """Rows that were read before they were written."""
         self.written: dict[Any, Operand] = {}
         """Rows that were written, with their last value."""
-        self._known: dict[Any, Traced] = {}
+        self._noted: dict[Any, Traced] = {}
 
     def note(self, operation: str, *operands: Operand) -> Traced:
         """Return the result of an operation; the same one if it was noted before."""
         key = (operation, *(id(x) if isinstance(x, Traced) else float(x) for x in operands))
-        if key not in self._known:
+        if key not in self._noted:
             name = f"v{len(self.numbers)}"
             number = Traced(self, operation, operands, name)
             self.numbers.append(number)
-            self._known[key] = number
-        return self._known[key]
+            self._noted[key] = number
+        return self._noted[key]
 
     def argument(self, name: str) -> Traced:
         """Return an argument of the formula."""
@@ -325,10 +325,10 @@ def write_pullback(
     results = formula(trace, *(Place(record) for record in records), *numbers)
     writer = _Writer(trace)
     bars = [f"bar{k}" for k in range(len(results))]
-    held = set(constant)
-    varying = [number for number in numbers if number.name not in held]
+    constants = set(constant)
+    varying = [number for number in numbers if number.name not in constants]
     inputs = {number.name for number in varying}
-    inputs.update(number.name for row, number in trace.read.items() if row not in held)
+    inputs.update(number.name for row, number in trace.read.items() if row not in constants)
     writer.pull(results, bars, inputs)
     for row, number in trace.read.items():
         if row not in returned and number.name in writer.bar_of:
@@ -364,7 +364,8 @@ class _Writer:
         """Write the bars of all numbers that depend on some of the inputs."""
         depends = set(inputs)
         for number in self.trace.numbers:
-            if any(isinstance(x, Traced) and x.name in depends for x in number.operands):
+            names = {operand.name for operand in number.operands if isinstance(operand, Traced)}
+            if names & depends:
                 depends.add(number.name)
         parts: dict[str, list[str]] = {}
         for result, bar in zip(results, bars, strict=True):
@@ -395,13 +396,13 @@ class _Writer:
         return operand.name
 
     def _fill(self, text: str, number: Traced, d: str = "") -> str:
-        words = {"d": d}
+        texts = {"d": d}
         for letter, operand in zip("abc", number.operands, strict=False):
             if f"{{{letter}}}" in text:
-                words[letter] = self.value(operand)
+                texts[letter] = self.value(operand)
         if "{y}" in text:
-            words["y"] = self.value(number)
-        return text.format(**words)
+            texts["y"] = self.value(number)
+        return text.format(**texts)
 
     def _sum(self, name: str, texts: Sequence[str]) -> str:
         if len(texts) == 1 and texts[0].isidentifier():

@@ -493,16 +493,16 @@ def accelerate(S, n, kept):
 
 @kernel
 def base_motion(kept, turning, push_x, push_y):
-    """Return nu of body 0, from the bars of its acceleration: I nu + bars = 0, as in `recursion.floating_base`."""
-    a00, a01, a02 = kept[KEPT_INERTIA], kept[KEPT_INERTIA + 1], kept[KEPT_INERTIA + 2]
-    a11, a12, a22 = kept[KEPT_INERTIA + 3], kept[KEPT_INERTIA + 4], kept[KEPT_INERTIA + 5]
-    share = 1.0 / (a11 * a22 - a12 * a12)
-    x_1 = (a22 * a01 - a12 * a02) * share
-    x_2 = (a11 * a02 - a12 * a01) * share
-    rotation = -(turning - x_1 * push_x - x_2 * push_y) / (a00 - x_1 * a01 - x_2 * a02)
-    x = (a12 * push_y - a22 * push_x) * share - x_1 * rotation
-    y = (a12 * push_x - a11 * push_y) * share - x_2 * rotation
-    return rotation, x, y
+    """Return nu of body 0, from the bars of its acceleration: I nu + bars = 0."""
+    inertia = (
+        kept[KEPT_INERTIA],
+        kept[KEPT_INERTIA + 1],
+        kept[KEPT_INERTIA + 2],
+        kept[KEPT_INERTIA + 3],
+        kept[KEPT_INERTIA + 4],
+        kept[KEPT_INERTIA + 5],
+    )
+    return recursion.solved((*inertia, turning, push_x, push_y))
 
 
 @kernel

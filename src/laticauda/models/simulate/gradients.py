@@ -22,9 +22,7 @@ from laticauda.models.simulate.runner import Progress, silent
 from laticauda.trials import REACHED_END
 
 _X = reverse.seed_of(rows.X)
-_Y = reverse.seed_of(rows.Y)
 _VX = reverse.seed_of(rows.VX)
-_VY = reverse.seed_of(rows.VY)
 _HEADING = reverse.seed_of(rows.HEADING)
 
 
@@ -163,21 +161,24 @@ def compute_jacobians(
             run = replace(run, plant=shared.plant_with_extras(run.plant))
         changes.append(changes_of_run)
         complete_runs.append(run)
-    pairs = [FigureOfRun(i, name) for i, names in enumerate(figures) for name in names]
-    gradients = iter(
-        compute_row_gradients(
-            complete_runs,
-            pairs,
-            duration,
-            sample_interval=sample_interval,
-            threads=threads,
-            progress=progress,
-        )
+    pairs: list[FigureOfRun] = []
+    for i, names in enumerate(figures):
+        pairs += [FigureOfRun(i, name) for name in names]
+    gradients = compute_row_gradients(
+        complete_runs,
+        pairs,
+        duration,
+        sample_interval=sample_interval,
+        threads=threads,
+        progress=progress,
     )
-    return [
-        FigureJacobian.of([next(gradients) for _ in names], changes_of_run)
-        for names, changes_of_run in zip(figures, changes, strict=True)
-    ]
+    jacobians: list[FigureJacobian] = []
+    first = 0
+    for names, changes_of_run in zip(figures, changes, strict=True):
+        end = first + len(names)
+        jacobians.append(FigureJacobian.of(gradients[first:end], changes_of_run))
+        first = end
+    return jacobians
 
 
 class FigureJacobian(NamedTuple):
@@ -237,8 +238,9 @@ class _Block:
         change = slopes.start * (duration - np.nan_to_num(self.steady.start))
         for lane, run in enumerate(self.runs):
             # The start of the steady part depends on the frequency, see `batch_figures.Steady`.
-            if run.command.gait.frequency > 0.0:
-                bars[rows.FREQUENCY, lane] += change[lane] / run.command.gait.frequency
+            frequency = run.command.gait.frequency
+            if frequency > 0.0:
+                bars[rows.FREQUENCY, lane] += change[lane] / frequency
             bars[rows.CURRENT_X, lane] += slopes.current[0, lane]
             bars[rows.CURRENT_Y, lane] += slopes.current[1, lane]
             if np.isnan(slopes.value[lane]):
@@ -268,20 +270,21 @@ class _Block:
         slopes = np.where(np.isnan(self.slopes.value), 0.0, self.slopes.numbers)
         seeds = np.zeros((n_samples, reverse.SEED_ROWS, len(self.runs)))
         lanes = np.arange(len(self.runs))
-        position, velocity = [_X, _Y], [_VX, _VY]
+        position = slice(_X, _X + 2)
         seeds[0, position] += slopes[batch_figures.START]
         seeds[-1, position] += slopes[batch_figures.END]
         seeds[-1, _HEADING] += slopes[batch_figures.HEADING]
         seeds[-1, reverse.SEED_WORK :] += slopes[batch_figures.WORK]
-        for axis in range(2):
-            around = (
-                (before, position, batch_figures.POSITION_BEFORE),
-                (before, velocity, batch_figures.VELOCITY_BEFORE),
-                (before + 1, position, batch_figures.POSITION_AFTER),
-                (before + 1, velocity, batch_figures.VELOCITY_AFTER),
-            )
-            for sample, seed, kept in around:
-                seeds[sample, seed[axis], lanes] += slopes[kept][axis]
+        around_start = (
+            (before, _X, batch_figures.POSITION_BEFORE),
+            (before, _VX, batch_figures.VELOCITY_BEFORE),
+            (before + 1, _X, batch_figures.POSITION_AFTER),
+            (before + 1, _VX, batch_figures.VELOCITY_AFTER),
+        )
+        for sample, seed, kept_numbers in around_start:
+            along_x, along_y = slopes[kept_numbers]
+            seeds[sample, seed, lanes] += along_x
+            seeds[sample, seed + 1, lanes] += along_y
         return seeds
 
 
@@ -328,14 +331,13 @@ class _FigureSlopes(NamedTuple):
         )
         stepped_numbers = np.take(numbers, run, axis=1) + change[:n_numbers]
         values = batch_figures.compute_figures(stepped_facts, stepped_numbers, stepped_steady)
-        of_run = np.stack(
-            [values[figure].reshape(n_steps, n_runs)[:, i] for i, figure in enumerate(figures)],
-            axis=1,
-        )
-        slopes = np.imag(of_run) / batch.STEP
+        of_lanes = np.empty((n_steps, n_runs), dtype=complex)
+        for lane, figure in enumerate(figures):
+            of_lanes[:, lane] = values[figure].reshape(n_steps, n_runs)[:, lane]
+        slopes = np.imag(of_lanes) / batch.STEP
         slopes_of_numbers = slopes[:n_numbers]
         return cls(
-            value=np.real(of_run[0]).copy(),
+            value=np.real(of_lanes[0]).copy(),
             numbers=slopes_of_numbers,
             weight=slopes[n_numbers],
             start=np.nan_to_num(slopes[n_numbers + 1]),

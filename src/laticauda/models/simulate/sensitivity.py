@@ -193,9 +193,14 @@ def _differentiate_forward(
     progress: Progress,
 ) -> _Derivatives:
     """Differentiate trials with one complex run for every number."""
+    runs_of_numbers: list[batch.Run] = []
+    all_numbers: list[Number] = []
+    for run, numbers_of_run in zip(runs, numbers, strict=True):
+        runs_of_numbers += [run] * len(numbers_of_run)
+        all_numbers += numbers_of_run
     result = compute_slopes(
-        [run for run, numbers_of_run in zip(runs, numbers, strict=True) for _ in numbers_of_run],
-        [number for numbers_of_run in numbers for number in numbers_of_run],
+        runs_of_numbers,
+        all_numbers,
         scenario.duration,
         sample_interval=scenario.sample_interval,
         threads=threads,
