@@ -14,7 +14,7 @@ continue the two smallest ones by straight lines.
 Last answer (2026-11-29): added_mass.txt, beside numbers of others: Lamb (1932), DNV-RP-H103 (2011; as
 it is quoted), and capytaine 3.0.0 as a second boundary-element code. Within 2 % of the code and 8 % of
 the handbook; between the rows within 2.4 %. What a box without thickness carries across itself is a plate's, by the
-vortex lattice (`laticauda.water.fluid.edges`), from which these panels differ by 1.3 % at most.
+vortex lattice (`laticauda.water.fluid.edges`), from which these panels differ by 1.5 % at most.
 """
 
 import argparse

@@ -36,6 +36,13 @@ SLICE = textwrap.dedent(
         for name in ("forward_velocity", "net_power", "mean_power", "heading", "center_of_mass"):
             np.testing.assert_allclose(getattr(there, name), getattr(here, name), rtol=1e-9, err_msg=name)
         assert there.status == here.status
+    broad = replace(body.caudal_fin, length=0.06, height=0.2, opening_length=0.0)
+    finned = replace(robot, caudal_fin=broad)
+    spanned = replace(calm, added_mass_form="kirchhoff", trailing_edge="finite-span", edge_clip=0.2)
+    here, there = (
+        lc.swim_many(finned, gaits, 0.3, environments=spanned, dt=0.05, device=d) for d in ("cpu", "cuda")
+    )
+    np.testing.assert_allclose(there.center_of_mass, here.center_of_mass, rtol=1e-9)
     from laticauda.water.fluid.gridded import Gridded
     from laticauda.water.fluid.gridded import to_dataset
     lake = to_dataset(lc.load_current("vortex"), x=[-5.0, 5.0], y=[-5.0, 5.0])

@@ -10,6 +10,7 @@ from web_pages import NODE, by_python, by_shell, data_of, difference, nameless, 
 
 import laticauda as lc
 from laticauda.connect.web import export_web
+from laticauda.connect.web.robot_data import build_choice
 from laticauda.values.errors import BadArgument, RobotFileError
 
 pytestmark = [
@@ -87,3 +88,8 @@ def test_a_robot_that_is_not_there_is_refused_before_anything_is_written(tmp_pat
     with pytest.raises(RobotFileError, match="whale"):
         export_web(tmp_path / "page", ("mamba", "whale"))
     assert not (tmp_path / "page").exists()
+
+
+def test_a_fin_with_a_silhouette_has_no_other_sizes_and_no_elastic_one_on_a_page():
+    assert set(build_choice("tendon-fish").plants) == {"rigid"}
+    assert set(build_choice("mamba-fin").plants) == {"rigid", "elastic", "small", "large"}

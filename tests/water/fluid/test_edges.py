@@ -7,6 +7,7 @@ from scipy.special import hankel2
 
 from laticauda.water.fluid.edges import (
     TABLE,
+    Plate,
     PlateFunctions,
     broad_plate,
     build_plate,
@@ -105,6 +106,27 @@ def test_an_edge_never_gives_energy_whatever_moves_it():
     size = np.abs(f_t * u) + np.abs(f_n * w) + np.abs(moment * turning) + np.abs(stored)
     assert np.all(power + stored <= 1e-12 * size)
     assert np.all(power[u <= 0.0] == 0.0)
+
+
+def test_an_edge_of_any_added_mass_and_lever_such_as_behind_a_body_gives_no_energy_either():
+    rng = np.random.default_rng(3)
+    n = 10_000
+    lift_share = rng.uniform(0.01, 1.0, n)
+    plates = Plate(
+        lift_mass=np.exp(rng.normal(size=n)),
+        added_mass=np.exp(rng.normal(size=n)),
+        lever=rng.normal(size=n),
+        suction=1.0 - 0.5 * lift_share,
+        instant=1.0 / (2.0 - lift_share),
+        cap=np.where(rng.uniform(size=n) < 0.5, 1e9, rng.uniform(0.02, 1.0, n)),
+        lag=np.exp(rng.normal(size=n)),
+    )
+    u, w, turning, memory = rng.normal(size=(4, n)) * np.exp(rng.normal(size=(4, n)))
+    f_t, f_n, moment, memory_rate = finite_span(u, w, turning, memory, *plates)
+    stored = plates.lift_mass * plates.lag * plates.instant * memory * memory_rate
+    power = f_t * u + f_n * w + moment * turning
+    size = np.abs(f_t * u) + np.abs(f_n * w) + np.abs(moment * turning) + np.abs(stored)
+    assert np.all(power + stored <= 1e-12 * size)
 
 
 def test_the_derivatives_of_the_edge_are_those_of_its_formula():

@@ -89,12 +89,12 @@ def build_choice(robot: str | lc.Robot) -> RobotChoice:
 
 
 def _list_fins(robot: lc.Robot) -> dict[str, lc.Robot]:
-    """Return a robot with its own fin and, if that is rigid, with an elastic one and ones of other sizes."""
+    """Return a robot with its own fin and, if that is a rigid rectangle, an elastic one and ones of other sizes."""
     fin = robot.caudal_fin
     if fin is None:
         return {"none": robot}
     robots = {"rigid": robot}
-    if fin.n_hinges or fin.joint is not None:
+    if fin.n_hinges or fin.joint is not None or fin.silhouette is not None:
         return robots
     robots["elastic"] = replace(robot, caudal_fin=replace(fin, **ELASTIC_FIN))
     for name, factor in FIN_SIZES.items():
