@@ -29,6 +29,7 @@ ROOMS = {
     "motion": "What the joints are asked for, and how they are driven",
     "water": "Loads on one element, flows, and water for any MuJoCo model",
     "robot": "What swims, and where: robots, modules, joints, fins, water and ground, as values and as files",
+    "sensing": "What is in the water around a robot, and what the robot measures of it and of itself",
     "scenarios": "What decides a run, as a value; what bodies and brains agree on",
     "trials": "The log of one run, its figures, and its files",
     "models": "From scenarios to trials: the closed-form model, and the robot in MuJoCo",

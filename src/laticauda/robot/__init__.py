@@ -89,6 +89,7 @@ if TYPE_CHECKING:
         levers as levers,
         link_angles as link_angles,
         module_poses as module_poses,
+        move_head as move_head,
         to_quaternion as to_quaternion,
         turn as turn,
     )
@@ -164,6 +165,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "levers",
             "link_angles",
             "module_poses",
+            "move_head",
             "to_quaternion",
             "turn",
         ],

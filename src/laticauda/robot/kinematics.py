@@ -17,6 +17,7 @@ and joint angles.
 
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -168,6 +169,46 @@ class Posture:
     def _at(self, lever: Levers) -> Points:
         angle = _with_fin(self.robot, self.link_angle, self.fin_angle)
         return self.center_of_mass[..., np.newaxis, :] + _offsets(lever, angle)
+
+
+class PointMotion(NamedTuple):
+    """Position and velocity of a point in the plane."""
+
+    position: Vectors
+    """World axes [m]."""
+    velocity: Vectors
+    """World axes [m/s]."""
+
+
+def move_head(
+    robot: Robot,
+    *,
+    center_of_mass: Vectors,
+    velocity: Vectors,
+    link_angle: Angles,
+    link_rate: Angles,
+    fin_angle: FinAngles | None = None,
+    fin_rate: FinAngles | None = None,
+) -> PointMotion:
+    """Compute where the tip of the head is, and how it moves.
+
+    Args:
+        robot: The robot.
+        center_of_mass: p of the whole robot, world axes [m].
+        velocity: p', world axes [m/s].
+        link_angle: theta [rad].
+        link_rate: theta' [rad/s].
+        fin_angle: Angles of the joints of a flexible or driven fin, from its root on [rad].
+        fin_rate: Their rates [rad/s].
+    """
+    angle = _with_fin(robot, link_angle, fin_angle)
+    rate = _with_fin(robot, link_rate, fin_rate)
+    lever = levers(robot).end[-1]
+    cos = np.cos(angle)
+    sin = np.sin(angle)
+    offset = np.stack((cos @ lever, sin @ lever), axis=-1)
+    speed = np.stack(((-sin * rate) @ lever, (cos * rate) @ lever), axis=-1)
+    return PointMotion(position=center_of_mass + offset, velocity=velocity + speed)
 
 
 def center_of_mass(

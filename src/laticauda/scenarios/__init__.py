@@ -26,6 +26,7 @@ if TYPE_CHECKING:
         build_scenario as build_scenario,
         model_of as model_of,
     )
+    from laticauda.scenarios.body_loads import BodyLoads as BodyLoads
     from laticauda.scenarios.choice import (
         Choice as Choice,
         Chosen as Chosen,
@@ -84,7 +85,6 @@ if TYPE_CHECKING:
         preset_water as preset_water,
         water_for as water_for,
     )
-    from laticauda.scenarios.body_loads import BodyLoads as BodyLoads
     from laticauda.scenarios.interfaces import (
         Command as Command,
         Controller as Controller,

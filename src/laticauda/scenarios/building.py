@@ -15,6 +15,7 @@ from laticauda.motion.joints import JointLaw
 from laticauda.scenarios.interfaces import Controller, Start
 from laticauda.scenarios.scenario import MODELS, Model, Scenario, Spatial
 from laticauda.scenarios.waters import environment_of
+from laticauda.sensing import Place, Sensor
 from laticauda.values import BadArgument, check_choice, check_instance, hint_at
 
 Motion: TypeAlias = Gait | Controller[Any]
@@ -36,6 +37,8 @@ class ModelChanges(TypedDict, total=False):
     ballast_depth: float
     scene: robots.Scene | Callable[[Any], None] | str | None
     rays: tuple[float, ...]
+    sensors: tuple[Sensor, ...]
+    places: tuple[Place, ...]
 
 
 class Changes(ModelChanges, total=False):

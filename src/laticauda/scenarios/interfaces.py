@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, NamedTuple, TypeVar
 
@@ -13,6 +13,7 @@ from laticauda.motion.gaits import STRAIGHT, Gait
 from laticauda.motion.joints import JointLaw
 from laticauda.robot import Robot
 from laticauda.scenarios.body_loads import BodyLoads
+from laticauda.sensing import Observed, Reading
 from laticauda.values import (
     BadArgument,
     Extensible,
@@ -167,7 +168,7 @@ def _check_references(angles: Sequence[float]) -> None:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Observation:
+class Observation(Observed):
     """Observable quantities of a plant at one instant, world axes, tail first."""
 
     time: float
@@ -192,6 +193,11 @@ class Observation:
     """In a scene: total contact force on every link at the end of the last command [N]."""
     ranges: Float[np.ndarray, " n_rays"] | None = None
     """Distance that the head measures along every ray of `Spatial.rays`, infinite if nothing is hit [m]."""
+    energy: float = 0.0
+    """Electrical energy since the start, or the joints' work if the robot has no power model [J]."""
+    readings: Mapping[str, Reading] = field(default_factory=dict[str, Reading])
+    """What each sensor of the model last told, by its name."""
+
     _evaluate_loads: ClassVar[Callable[[], BodyLoads] | None] = None
     """What a plant sets of an observation whose loads can be computed (`with_loads`)."""
 
@@ -214,9 +220,21 @@ class Observation:
         Args:
             evaluate: Computes them.
         """
+        return self._copy_with("_evaluate_loads", evaluate)
+
+    def with_readings(self, readings: Mapping[str, Reading]) -> "Observation":
+        """Return the same observation with readings of sensors.
+
+        Args:
+            readings: The last reading of each sensor, by its name.
+        """
+        return self._copy_with("readings", readings)
+
+    def _copy_with(self, name: str, content: object) -> "Observation":
+        """Return the same observation with one attribute set; without its constructor, which is slow."""
         copy = object.__new__(type(self))
         vars(copy).update(vars(self))
-        vars(copy)["_evaluate_loads"] = evaluate
+        vars(copy)[name] = content
         return copy
 
 

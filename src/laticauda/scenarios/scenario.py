@@ -1,7 +1,7 @@
 """Runs as values: a scenario is everything that determines a run; an experiment is what is known of any other run."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Literal, TypeAlias, cast
 
 import numpy as np
@@ -10,6 +10,7 @@ from laticauda.motion.gaits import Gait
 from laticauda.motion.joints import JointLaw, Prescribed
 from laticauda.robot import Environment, Robot, Scene
 from laticauda.scenarios.interfaces import Command, Controller, OpenLoop, Resumed, Start
+from laticauda.sensing import Place, Sensor
 from laticauda.values import (
     BadArgument,
     Unknown,
@@ -22,6 +23,22 @@ from laticauda.values import (
 
 NO_FILTER = 1e6
 """Bandwidth of a reference generator whose filters pass everything at once [rad/s]."""
+
+
+def check_names(argument: str, named: Sequence[Sensor] | Sequence[Place]) -> None:
+    """Reject sensors or places of the same name.
+
+    Args:
+        argument: Name of the argument.
+        named: They.
+
+    Raises:
+        ValueError: If two of them have the same name.
+    """
+    names = [part.name for part in named]
+    for name in names:
+        if names.count(name) > 1:
+            raise BadArgument(argument, f"must have different names, got `{name}` twice")
 
 
 @value_class
@@ -44,9 +61,25 @@ class _Model:
     ramp: float | None = quantity(
         "s", "Smooth start; if omitted, 1 s if prescribed, else 0", default=None, ge=0.0
     )
+    sensors: tuple[Sensor, ...] = option(
+        "What the robot measures, for controllers and logs", default=()
+    )
+    places: tuple[Place, ...] = option(
+        "What is in the water: nets, pipelines, walls, docks, buoys", default=()
+    )
+
+    @property
+    def names_of_readings(self) -> tuple[str, ...]:
+        """Names of all values that the sensors measure, as logs have them."""
+        names: list[str] = []
+        for sensor in self.sensors:
+            names += [f"{sensor.name}_{column}" for column in sensor.columns]
+        return tuple(names)
 
     def __post_init__(self) -> None:
-        """Reject references that jump unless the joints can follow jumps."""
+        """Reject references that jump unless the joints can follow jumps, and things of the same name."""
+        check_names("sensors", self.sensors)
+        check_names("places", self.places)
         may_take_jumps = self.joints.takes_jumps or isinstance(self.joints, Unknown)
         if self.offset_bandwidth == NO_FILTER and not may_take_jumps:
             condition = "unless the joint law takes references that jump, as `servo` does"
@@ -102,6 +135,13 @@ class Spatial(_Model):
         "rad", "Directions of the head's range sensors, positive left", default=()
     )
 
+    @property
+    def surroundings(self) -> Scene | None:
+        """The scene; open water if there are only places; None if there is nothing that the robot can touch."""
+        if self.scene is None and self.places:
+            return Scene()
+        return self.scene
+
 
 Model: TypeAlias = Planar | Spatial
 MODELS: dict[str, type[Planar] | type[Spatial]] = {"planar": Planar, "spatial": Spatial}
@@ -130,6 +170,10 @@ def settings_of(model: Model) -> dict[str, str | float | bool | None]:
     """
     settings: dict[str, Any] = {"model": name_of(type(model))}
     for name, value in vars(model).items():
+        if name in ("sensors", "places"):
+            if value:
+                settings[name] = ", ".join(part.name for part in value)
+            continue
         settings[name] = value
         if isinstance(value, JointLaw | Scene):
             settings[name] = name_of(type(value))

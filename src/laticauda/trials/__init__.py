@@ -47,7 +47,6 @@ if TYPE_CHECKING:
         joined as joined,
         note_differences as note_differences,
     )
-    from laticauda.trials.side_pressure import side_areas as side_areas
     from laticauda.trials.trial import (
         FIGURES as FIGURES,
         Figure as Figure,
@@ -60,6 +59,7 @@ if TYPE_CHECKING:
         thrust_error as thrust_error,
     )
     from laticauda.trials.following import nearest_points as nearest_points
+    from laticauda.trials.side_pressure import side_areas as side_areas
     from laticauda.trials.moving_water import (
         MOVING_WATER_NOTE as MOVING_WATER_NOTE,
         describe_sweeping as describe_sweeping,

@@ -1,7 +1,7 @@
 """Checks of a trial's arrays and texts: each returns the value as stored, or raises a ValueError naming the field."""
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import TypeAlias, cast
 
 import numpy as np
@@ -18,15 +18,21 @@ AnyArray: TypeAlias = Shaped[np.ndarray, "..."]
 
 
 def check_floats(
-    name: str, values: object, shape: tuple[int | None, ...]
+    name: str, values: object, shape: tuple[int | None, ...], *, may_lack: bool = False
 ) -> Float[np.ndarray, "..."]:
-    """Return `values` as a read-only float64 array of the given shape; None stands for any length."""
+    """Return `values` as a read-only float64 array of the given shape; None stands for any length.
+
+    Numbers must be finite, but nan is taken as missing with `may_lack`.
+    """
     array = as_floats(name, values)
     if not _has_shape(array, shape):
         lengths = ", ".join("any" if length is None else str(length) for length in shape)
         raise BadArgument(name, f"must have shape ({lengths}), got {array.shape}")
-    if not np.isfinite(array).all():
-        row = int(np.argwhere(~np.isfinite(array))[0][0])
+    is_right = np.isfinite(array)
+    if may_lack:
+        is_right |= np.isnan(array)
+    if not is_right.all():
+        row = int(np.argwhere(~is_right)[0][0])
         raise BadArgument(name, f"must hold finite numbers only, got {array[row]} at sample {row}")
     return _read_only(array, values)
 
@@ -50,11 +56,11 @@ def check_times(name: str, values: object) -> Samples:
 
 
 def check_each(
-    name: str, value: object, shape: tuple[int, ...]
+    name: str, value: object, shape: tuple[int, ...], *, may_lack: Collection[str] = ()
 ) -> dict[str, Float[np.ndarray, "..."]]:
-    """Return every value of a mapping as a read-only array of the given shape."""
+    """Return every value of a mapping as a read-only array of the given shape; nan only under names in `may_lack`."""
     return {
-        key: check_floats(f"{name}[{key!r}]", values, shape)
+        key: check_floats(f"{name}[{key!r}]", values, shape, may_lack=key in may_lack)
         for key, values in check_mapping(name, value).items()
     }
 

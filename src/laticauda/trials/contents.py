@@ -153,7 +153,12 @@ class Contents(series.Log):
         if self.link_force is not None:
             shape = (*shapes["link_angle"], n_axes)
             clean["link_force"] = arrays.check_each("link_force", self.link_force, shape)
-        clean["signals"] = arrays.check_each("signals", self.signals, (len(self.time),))
+        # A sensor tells nothing where there is no echo, or before its first reading.
+        model = self.scenario.model
+        names_of_readings = () if model is None else model.names_of_readings
+        clean["signals"] = arrays.check_each(
+            "signals", self.signals, (len(self.time),), may_lack=names_of_readings
+        )
         state = arrays.check_mapping("state", self.state)
         clean["state"] = {
             name: arrays.check_state_array(name, values) for name, values in state.items()

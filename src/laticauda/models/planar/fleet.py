@@ -24,6 +24,7 @@ from laticauda.models.planar.batch import (
     columns_of,
 )
 from laticauda.scenarios import Command, Decisions, Observation, Observations
+from laticauda.sensing import senses_of
 
 ROW_OF_COMMAND = {
     "amplitude": rows.AMPLITUDE,
@@ -74,6 +75,8 @@ class Fleet:
         self._is_gait_alone = [True] * self.n
         self._gait_offset = np.array([gait.offset for gait in self._gaits])
         self._acting: Decisions | None = None
+        self._senses = [senses_of(run.plant.settings, run.plant.environment) for run in runs]
+        self._has_sensors = any(senses is not None for senses in self._senses)
         self._last_seen = self._read(_SEEN)
 
     @property
@@ -90,6 +93,9 @@ class Fleet:
         """Return what controllers see of all robots now."""
         seen = self._read(_SEEN)
         is_well = self.is_well
+        observe = self._observe_one
+        if self._has_sensors:
+            observe = self._sense_all(is_well).__getitem__
         if not is_well.all():
             now = np.max(seen[0])
             seen = np.where(is_well, seen, self._last_seen)
@@ -103,7 +109,7 @@ class Fleet:
             heading_rate=seen[5],
             center_of_mass_velocity=seen[6:8].T,
             is_well=is_well,
-            observe=self._observe_one,
+            observe=observe,
         )
 
     def command(self, decisions: Decisions) -> None:
@@ -213,6 +219,16 @@ class Fleet:
         block, lane = divmod(i, WIDTH)
         rows_now = self._lanes[block, :, lane].copy()  # the lanes move on
         return plant.observe(self.state_of(i)).with_loads(partial(plant.loads_of_rows, rows_now))
+
+    def _sense_all(self, is_well: np.ndarray) -> list[Observation]:
+        """Return the observations of all robots with what their sensors tell; those that failed sense nothing new."""
+        observations: list[Observation] = []
+        for i, senses in enumerate(self._senses):
+            observation = self._observe_one(i)
+            if senses is not None and is_well[i]:
+                observation = observation.with_readings(senses.read(observation))
+            observations.append(observation)
+        return observations
 
     def _command_numbers(self, numbers: Mapping[str, np.ndarray]) -> None:
         """Write what arrays command into the lanes."""

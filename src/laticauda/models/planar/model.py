@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from functools import cached_property, partial
 from itertools import accumulate
-from types import ModuleType
+from types import MappingProxyType, ModuleType
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -19,8 +19,9 @@ from laticauda.models.planar.layout import Layout, build_layout, flow_rows, writ
 from laticauda.models.planar.sample_format import column_of, columns_of_joints
 from laticauda.motion import gaits
 from laticauda.motion.joints import JointLaw
-from laticauda.robot import Coefficients, law_of, link_coefficients
+from laticauda.robot import Coefficients, has_power_model, law_of, link_coefficients, move_head
 from laticauda.scenarios import BodyLoads, Command, Observation, Planar, Start
+from laticauda.sensing import HeadMotion, Reading
 from laticauda.values import BadArgument, Formula, check_instance
 from laticauda.water.fluid import DragLaw, PolynomialDrag, flow as flows
 
@@ -198,7 +199,42 @@ class PlanarPlant(Plant[Planar]):
         # Not by its constructor: most fields of an observation are never asked for.
         observation = object.__new__(_PlanarObservation)
         vars(observation).update(self._fields_of(state.values))
+        vars(observation)["readings"] = NO_READINGS
+        vars(observation)["_plant"] = self
+        vars(observation)["_state_values"] = state.values
         return observation
+
+    def head_motion(self, observation: Observation, values: np.ndarray) -> HeadMotion:
+        """Return where the head is and how it moves.
+
+        Args:
+            observation: The observation of a state.
+            values: The numbers of that state.
+        """
+        n_joints = self.layout.n_joints
+        angles = values[columns_of_joints(rows.ANGLE, n_joints)]
+        rates = values[columns_of_joints(rows.RATE, n_joints)]
+        fin_joints = [self.layout.tail_link - 1 - joint for joint in self.robot.fin_joints]
+        link_rate = _links(observation.heading_rate, observation.joint_rate)
+        tip = move_head(
+            self.robot,
+            center_of_mass=observation.center_of_mass,
+            velocity=observation.center_of_mass_velocity,
+            link_angle=observation.link_angle,
+            link_rate=link_rate,
+            fin_angle=angles[fin_joints],
+            fin_rate=rates[fin_joints],
+        )
+        angle = float(observation.link_angle[-1])
+        cos = math.cos(angle)
+        sin = math.sin(angle)
+        height = -(getattr(self.environment, "depth", None) or 0.0)
+        return HeadMotion(
+            position=np.array((*tip.position, height)),
+            axes=np.array(((cos, -sin, 0.0), (sin, cos, 0.0), (0.0, 0.0, 1.0))),
+            velocity=np.array((*tip.velocity, 0.0)),
+            turn_rate=np.array((0.0, 0.0, link_rate[-1])),
+        )
 
     def rows(self, state: PlantState, command: Command) -> np.ndarray:
         """Return all rows: the layout's parameters, the command and the state."""
@@ -442,13 +478,34 @@ class PlanarPlant(Plant[Planar]):
         )
 
 
+NO_READINGS: Mapping[str, Reading] = MappingProxyType({})
+"""Readings of a robot without sensors."""
+
+
 class _PlanarObservation(Observation):
     """Observation in the plane; link angles are computed on first access."""
+
+    _plant: PlanarPlant
+    _state_values: np.ndarray
 
     @cached_property
     def link_angle(self) -> np.ndarray:  # pyright: ignore[reportIncompatibleVariableOverride]  # as frozen as a field
         """theta [rad]."""
         return _links(self.heading, self.joint_angle)
+
+    @cached_property
+    def energy(self) -> float:  # pyright: ignore[reportIncompatibleVariableOverride]  # as frozen as a field
+        """Electrical energy, or the joints' work without a power model [J]."""
+        plant = self._plant
+        row = rows.WORK_ABSOLUTE
+        if has_power_model(plant.robot, plant.joints):
+            row = rows.WORK_ELECTRICAL
+        return float(self._state_values[column_of(row)])
+
+    @cached_property
+    def head(self) -> HeadMotion:  # pyright: ignore[reportIncompatibleMethodOverride]  # as frozen as a field
+        """Where the head is and how it moves."""
+        return self._plant.head_motion(self, self._state_values)
 
 
 def _links(heading: Any, joint_angle: np.ndarray) -> np.ndarray:

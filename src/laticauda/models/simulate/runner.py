@@ -38,6 +38,7 @@ from laticauda.scenarios import (
     build_scenario,
     warn_of_speed,
 )
+from laticauda.sensing import senses_of, signals_of_readings
 from laticauda.trials import REACHED_END, Trial
 from laticauda.trials.feasibility import exceeds_actuators
 from laticauda.values import (
@@ -291,6 +292,7 @@ class _Swimmer:
         self.scenario = scenario
         self.controller = scenario.controller
         self.state = _initial_state(plant, scenario.start, scenario.gait)
+        self.senses = senses_of(plant.settings, plant.environment)
         self.controller_state = self.controller.init()
         self.commands = CommandQueue[Command](
             Command(gait=self.controller.gait),
@@ -305,8 +307,11 @@ class _Swimmer:
         """Number of samples after each control instant."""
 
     def observe(self) -> Observation:
-        """Return what the controller sees now."""
-        return self.plant.observe_under(self.state, self.last_command)
+        """Return what the controller sees now, with what the sensors tell."""
+        observation = self.plant.observe_under(self.state, self.last_command)
+        if self.senses is None:
+            return observation
+        return observation.with_readings(self.senses.read(observation))
 
     def decide(self, observation: Observation, now: float, control_interval: float) -> None:
         """Perform one control step at a control instant of the run.
@@ -319,7 +324,11 @@ class _Swimmer:
                 self.controller_state, observation
             )
             check_instance("command", command, Command)
-        self.signals.append(self.controller.signals(self.controller_state))
+        signals = self.controller.signals(self.controller_state)
+        if self.senses is not None:
+            sensors = self.plant.settings.sensors
+            signals = {**signals, **signals_of_readings(sensors, observation.readings)}
+        self.signals.append(signals)
         self.n_samples.append(0)
         self.commands.add(now, command)
 

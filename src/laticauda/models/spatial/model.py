@@ -17,7 +17,7 @@ from laticauda.models.spatial.columns import HEADER, SampleColumns, columns_of
 from laticauda.models.spatial.settings import land_of, numbers_per_link
 from laticauda.models.spatial.surroundings import check_free
 from laticauda.models.spatial.twin import KernelInputs, Twin
-from laticauda.robot import Ground, Scene, Water, to_quaternion, turn
+from laticauda.robot import Ground, Scene, Water, has_power_model, to_quaternion, turn
 from laticauda.scenarios import (
     ORIENTATION,
     BodyLoads,
@@ -27,6 +27,7 @@ from laticauda.scenarios import (
     Start,
     check_waves,
 )
+from laticauda.sensing import HeadMotion
 from laticauda.values import BadArgument, check_instance
 from laticauda.water import mujoco as water
 from laticauda.water.fluid import Flow
@@ -82,7 +83,7 @@ class SpatialPlant(Plant[Spatial]):
         if is_on_ground and settings.root == "free" and not settings.gravity:
             rule = "must be `planar` on the ground without `gravity`, got 'free'"
             raise BadArgument("root", rule)
-        scene = settings.scene or Scene()
+        scene = settings.surroundings or Scene()
         scene.check(self.environment)
         if scene.ground is not None and not (settings.root == "free" and settings.gravity):
             rule = "must be `free`, with `gravity`, for a robot that lies on a scene's ground"
@@ -116,7 +117,7 @@ class SpatialPlant(Plant[Spatial]):
             self._place_in_space(parts, start)
         parts.link_angle[:] = start.heading
         state = PlantState(values=values)
-        if self.settings.scene is not None:
+        if self.settings.surroundings is not None:
             check_free(self.model, self.data(state), set(twin.order.tolist()))
         return state
 
@@ -152,7 +153,7 @@ class SpatialPlant(Plant[Spatial]):
 
     def _height_at(self, start: Start, *, x: float, y: float) -> float:
         """Return the axis height of a robot with its tail end at x, y [m]: at its depth, or on the highest ground."""
-        scene = self.settings.scene or Scene()
+        scene = self.settings.surroundings or Scene()
         height = self._twin.height
         if start.depth is not None:
             return scene.level - start.depth
@@ -174,17 +175,32 @@ class SpatialPlant(Plant[Spatial]):
         sample = self._sample_at(state)
         observed = {name: values[0] for name, values in self._observed(sample).items()}
         contact_force = None
-        if self.settings.scene is not None:
+        if self.settings.surroundings is not None:
             contact_force = self._contact_forces(sample)[0]
         ranges = None
         if self.settings.rays:
             ranges = self._twin.ranges(self.data(state), self.settings.rays)
-        return Observation(
+        row_of_energy = rows.WORK_ABSOLUTE
+        if has_power_model(self.robot, self.joints):
+            row_of_energy = rows.WORK_ELECTRICAL
+        observation = _SpatialObservation(
             **observed,
             pitch=float(sample[0, HEADER + rows.MEAN_PITCH]),
             contact_force=contact_force,
             ranges=ranges,
+            energy=float(state.values[row_of_energy]),
         )
+        vars(observation)["_plant"] = self
+        vars(observation)["_state"] = state
+        return observation
+
+    def head_motion(self, state: PlantState) -> HeadMotion:
+        """Return where the head is and how it moves.
+
+        Args:
+            state: The state.
+        """
+        return self._twin.head_motion(self.data(state))
 
     def in_current(self, current: Sequence[float] | Flow) -> "SpatialPlant":
         """Return this plant in other water; both share a MuJoCo model, so only one of them advances at a time.
@@ -239,8 +255,8 @@ class SpatialPlant(Plant[Spatial]):
         if contacts:
             gravity = -float(self.model.opt.gravity[2])
             dt = min(dt, CONTACT_SHARE * ground.stable_step(contacts, gravity))
-        if self.settings.scene is not None:
-            dt = min(dt, self.settings.scene.dt)
+        if self.settings.surroundings is not None:
+            dt = min(dt, self.settings.surroundings.dt)
         if self.is_implicit:
             dt = min(dt, ELASTIC_DT)
         return dt
@@ -398,7 +414,7 @@ class SpatialPlant(Plant[Spatial]):
         # Angle, rate, reference and torque, each of all of the fin's joints.
         fin = samples[:, self._columns.fin].reshape(n_samples, 4, -1)
         link_force = None
-        if self.settings.scene is not None:
+        if self.settings.surroundings is not None:
             link_force = {"contact": self._contact_forces(samples)}
         signals: dict[str, np.ndarray] = {}
         for k, name in enumerate(ORIENTATION):
@@ -431,3 +447,15 @@ def _axes_at(start: Start) -> np.ndarray:
     """Return the axes of a straight robot at a start, as the columns of a rotation matrix [-]."""
     turned = turn("yaw", start.heading) @ turn("pitch", start.pitch)
     return turned @ turn("roll", start.roll)
+
+
+class _SpatialObservation(Observation):
+    """Observation in space; the motion of the head is computed on first access."""
+
+    _plant: SpatialPlant
+    _state: PlantState
+
+    @cached_property
+    def head(self) -> HeadMotion:  # pyright: ignore[reportIncompatibleMethodOverride]  # as frozen as a field
+        """Where the head is and how it moves."""
+        return self._plant.head_motion(self._state)

@@ -131,7 +131,7 @@ def build_setup(model: Any, data: Any, robot: LocatedRobot) -> Int[np.ndarray, "
     setup[rows.N_BODIES] = model.nbody
     setup[rows.IS_IMPLICIT] = not settings.joints.prescribed or has_hinges(robot.member.robot)
     setup[rows.IS_PLANAR] = is_planar
-    setup[rows.HAS_SCENE] = settings.scene is not None
+    setup[rows.HAS_SCENE] = settings.surroundings is not None
     setup[rows.N_FLEXES] = model.nflex
     setup[rows.CONTACTS : rows.GEOM_BODY] = native.contact_layout()
     setup[rows.GEOM_BODY] = model.geom_bodyid.ctypes.data

@@ -19,6 +19,7 @@ PHASE_SHIFT_NOW = PHASE + WaveState._fields.index("phase_shift")
 OFFSET_NOW = PHASE + WaveState._fields.index("offset")
 WORK_ABSOLUTE = PHASE + len(WaveState._fields)
 """Work of the joints, followed by the net, positive and electrical work."""
+WORK_ELECTRICAL = WORK_ABSOLUTE + 3
 PITCH = WORK_ABSOLUTE + 4
 """Wave of the pitch joints."""
 FIN = PITCH + len(WaveState._fields)

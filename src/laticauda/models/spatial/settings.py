@@ -4,7 +4,7 @@ from typing import Any
 
 from laticauda.models.spatial import mjcf, water_robot
 from laticauda.models.spatial.ground_robot import lay_on_ground
-from laticauda.models.spatial.surroundings import is_ground
+from laticauda.models.spatial.surroundings import add_places, is_ground
 from laticauda.robot import Environment, Ground, Robot
 from laticauda.scenarios import Spatial
 from laticauda.values import load_mujoco
@@ -23,7 +23,7 @@ def land_of(environment: Environment, setup: Spatial) -> Ground | None:
         environment: The water it swims in, or the ground.
         setup: The model's settings.
     """
-    scene = setup.scene
+    scene = setup.surroundings
     ground_of_scene = None if scene is None else scene.ground
     if not isinstance(environment, Ground):
         return ground_of_scene
@@ -43,7 +43,7 @@ def used_ballast_depth(setup: Spatial) -> float:
 
 def numbers_per_link(setup: Spatial) -> int:
     """Return how many numbers of every link a state holds: its angle and, in a scene, its contact force."""
-    if setup.scene is None:
+    if setup.surroundings is None:
         return 1
     return 4
 
@@ -66,10 +66,11 @@ def build_plant_spec(
         root=setup.root or "free",
         sensors=sensors,
         visuals=False,
-        scene=setup.scene,
+        scene=setup.surroundings,
         ballast_depth=used_ballast_depth(setup),
     )
-    if setup.scene is not None:
+    add_places(spec, setup.places)
+    if setup.surroundings is not None:
         # The solver's initial guess must not depend on earlier runs.
         spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_WARMSTART
         # At low friction, MuJoCo's pyramidal cones make contacts hundreds of times stiffer than

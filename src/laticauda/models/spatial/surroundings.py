@@ -8,15 +8,21 @@ robot. The ground of a scene consists of its geoms with the names in `GROUNDS`.
 
 import sys
 import warnings
-from collections.abc import Collection, Generator
+from collections.abc import Collection, Generator, Sequence
 from contextlib import contextmanager
 from typing import Any, NamedTuple
 
+import numpy as np
+
+from laticauda.models.spatial.bodies import Three
 from laticauda.models.spatial.scene import SCENE_PREFIX, TANK_LENGTH, TANK_WIDTH, Tank
 from laticauda.models.spatial.solids import add_solid
-from laticauda.robot import Environment, Ground, Scene
+from laticauda.robot import Environment, Ground, Scene, to_quaternion
+from laticauda.sensing import Place, Solid
 from laticauda.values import BadArgument, load_mujoco
 
+GEOM_OF_SOLID = {"box": "BOX", "cylinder": "CYLINDER", "sphere": "SPHERE"}
+"""Geoms of MuJoCo by the kinds of solid shapes of places."""
 GROUNDS = ("ground", "shore", "ramp", "floor", "terrain")
 """Names of the geoms that are ground."""
 SURFACE = "water"
@@ -50,6 +56,32 @@ def add_surroundings(
         scene(model)
     if visuals and not is_on_land:
         _add_surface(model, scene)
+
+
+def add_places(model: Any, places: Sequence[Place]) -> None:
+    """Add the solid shapes of places to a model, with names that begin with those of the places.
+
+    Args:
+        model: A `mujoco.MjSpec`.
+        places: The places.
+    """
+    for place in places:
+        for k, solid in enumerate(place.solids()):
+            add_solid(
+                model,
+                name=f"{place.name}_{k}",
+                kind=GEOM_OF_SOLID[solid.kind],
+                size=_geom_size(solid),
+                position=solid.center,
+                orientation=to_quaternion(np.transpose(solid.axes)),
+            )
+
+
+def _geom_size(solid: Solid) -> Three:
+    """Return the size of a shape as MuJoCo wants it."""
+    if solid.kind == "cylinder":
+        return (solid.size[0], solid.size[2], 0.0)
+    return solid.size
 
 
 def _add_surface(model: Any, scene: Scene) -> None:

@@ -34,6 +34,7 @@ from laticauda.models.spatial.water_robot import mounted_elements
 from laticauda.motion.joints import JointLaw
 from laticauda.robot import Environment, Ground, Robot, Scene, Water, fin_edge
 from laticauda.scenarios import Spatial
+from laticauda.sensing import HeadMotion
 from laticauda.values import BadArgument, load_mujoco
 from laticauda.water import mujoco as water
 from laticauda.water.mujoco import callback, table
@@ -124,7 +125,7 @@ class Twin:
         self.water.table[table.HAS_INERTIA] = 1
         self.water.table[table.FIRST_ORDER] = 0
         # Height from which a flow measures z.
-        self.water.numbers["water"][table.LEVEL] = (setup.scene or Scene()).level
+        self.water.numbers["water"][table.LEVEL] = (setup.surroundings or Scene()).level
         self._write_edges(members, environment)
         self._stepping = stepping(setup.joints)
 
@@ -137,7 +138,7 @@ class Twin:
                 elements.append(replace(element, body=member.prefix + element.body))
             self._ends_of_elements.append(len(elements))
         setup = members[0].setup
-        scene = setup.scene or Scene()
+        scene = setup.surroundings or Scene()
         water.choose_right_solver(self.model)
         if isinstance(environment, Water):
             elements.extend(water.flex_elements(self.model, density=environment.density))
@@ -294,6 +295,33 @@ class Twin:
         of_water = forces[FORCES_OF_WATER].sum(axis=0)
         return self._load_sensors.read(self._data, of_water)
 
+    def _head_tip(self, data: Any) -> np.ndarray:
+        """Return the position of the tip of the head [m]."""
+        tail_end = data.xpos[int(self.order[self._n_links - 1])]
+        middle = data.site(f"module_{self._n_links - 1}_center").xpos
+        return tail_end + 2.0 * (middle - tail_end)
+
+    def head_motion(self, data: Any) -> HeadMotion:
+        """Return where the tip of the head is and how it moves.
+
+        Args:
+            data: A `mujoco.MjData` with computed kinematics.
+        """
+        mujoco = load_mujoco()
+        head = int(self.order[self._n_links - 1])
+        tip = self._head_tip(data)
+        mujoco.mj_comVel(self.model, data)
+        of_frame = np.zeros(6)  # angular, then linear velocity of the frame's origin, world axes
+        mujoco.mj_objectVelocity(self.model, data, mujoco.mjtObj.mjOBJ_XBODY, head, of_frame, 0)
+        turn_rate = of_frame[:3]
+        lever = tip - data.xpos[head]
+        return HeadMotion(
+            position=tip,
+            axes=data.xmat[head].reshape(3, 3).copy(),
+            velocity=of_frame[3:] + np.cross(turn_rate, lever),
+            turn_rate=turn_rate,
+        )
+
     def ranges(self, data: Any, rays: tuple[float, ...]) -> np.ndarray:
         """Return distances from the tip of the head [m], infinite where nothing is hit.
 
@@ -303,9 +331,7 @@ class Twin:
         """
         head = int(self.order[self._n_links - 1])
         rotation = data.xmat[head].reshape(3, 3)
-        tail_end = data.xpos[head]
-        middle = data.site(f"module_{self._n_links - 1}_center").xpos
-        tip = tail_end + 2.0 * (middle - tail_end)
+        tip = self._head_tip(data)
         mujoco = load_mujoco()
         hit_geom = np.zeros(1, dtype=np.int32)
         distances: list[float] = []

@@ -1,0 +1,280 @@
+"""Solid shapes of which places consist: boxes, cylinders and spheres, met by rays and touched by points.
+
+All shapes of one kind are computed together, as arrays: a ray is transformed into the axes of every
+shape, where the intersection has a formula. The models in space build the same shapes as geoms.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from typing import Literal, NamedTuple, TypeAlias
+
+import numpy as np
+from jaxtyping import Float
+
+Three: TypeAlias = tuple[float, float, float]
+ShapeKind: TypeAlias = Literal["box", "cylinder", "sphere"]
+Points: TypeAlias = Float[np.ndarray, "n_points 3"]
+Directions: TypeAlias = Float[np.ndarray, "n_rays 3"]
+
+TINY = 1e-12
+"""Smallest component of a direction by which is divided [-]."""
+
+
+class Solid(NamedTuple):
+    """One shape, at rest in the world."""
+
+    kind: ShapeKind
+    center: Three
+    """Its middle, world axes [m]."""
+    size: Three
+    """Of a box: half its length, width and height; of a cylinder: radius, radius and half its length along its
+    third axis; of a sphere: radius, three times [m]."""
+    axes: tuple[Three, Three, Three] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    """Its three axes, orthogonal and of length 1, world axes [-]."""
+
+
+class Solids:
+    """Many shapes, of which rays and points are asked.
+
+    Args:
+        solids: The shapes; none for open water.
+    """
+
+    def __init__(self, solids: Sequence[Solid]) -> None:
+        self._groups: list[_Group] = []
+        for kind, group in GROUPS.items():
+            members = [solid for solid in solids if solid.kind == kind]
+            if members:
+                self._groups.append(group(members))
+
+    def cast(self, origin: Float[np.ndarray, "3"], directions: Directions) -> "Hits":
+        """Return what rays hit first.
+
+        Args:
+            origin: Where all rays begin, world axes [m].
+            directions: Their directions, of length 1, world axes [-].
+        """
+        hits = Hits(
+            distance=np.full(len(directions), np.inf), normal=np.zeros((len(directions), 3))
+        )
+        for group in self._groups:
+            hits = _nearer_hits(hits, group.cast(origin, directions))
+        return hits
+
+    def distances(self, points: Points) -> Float[np.ndarray, " n_points"]:
+        """Return how far points are from the nearest shape, negative inside it; infinite in open water [m].
+
+        Args:
+            points: The points, world axes [m].
+        """
+        distances = np.full(len(points), np.inf)
+        for group in self._groups:
+            distances = np.minimum(distances, group.distances(points))
+        return distances
+
+
+class Hits(NamedTuple):
+    """What rays hit first."""
+
+    distance: Float[np.ndarray, " n_rays"]
+    """From where the ray begins, infinite if nothing is hit [m]."""
+    normal: Float[np.ndarray, "n_rays 3"]
+    """Normal of the surface that is hit, outward, world axes; 0 if nothing is hit [-]."""
+
+
+class _Group(ABC):
+    """All shapes of one kind, as arrays whose first axis counts the shapes.
+
+    Args:
+        solids: The shapes.
+    """
+
+    def __init__(self, solids: Sequence[Solid]) -> None:
+        self._center = np.array([solid.center for solid in solids])
+        self._axes = np.array([solid.axes for solid in solids])
+        sizes = np.array([solid.size for solid in solids])
+        self.size = sizes[:, np.newaxis]
+        """Size of every shape, the same for all rays or points."""
+
+    def cast(self, origin: np.ndarray, directions: np.ndarray) -> Hits:
+        """See `Solids.cast`."""
+        from_center = origin - self._center
+        own_origin = np.einsum("sij,sj->si", self._axes, from_center)
+        own_directions = np.einsum("sij,rj->sri", self._axes, directions)
+        hits = self.cast_in_own_axes(own_origin[:, np.newaxis], own_directions)
+        nearest = np.argmin(hits.distance, axis=0)
+        rays = np.arange(len(directions))
+        own_normal = hits.normal[nearest, rays]
+        return Hits(
+            distance=hits.distance[nearest, rays],
+            normal=np.einsum("rij,ri->rj", self._axes[nearest], own_normal),
+        )
+
+    def distances(self, points: np.ndarray) -> np.ndarray:
+        """See `Solids.distances`."""
+        from_center = points - self._center[:, np.newaxis]
+        own_points = np.einsum("sij,spj->spi", self._axes, from_center)
+        distances = self.distances_in_own_axes(own_points)
+        return np.min(distances, axis=0)
+
+    @abstractmethod
+    def cast_in_own_axes(self, origin: np.ndarray, direction: np.ndarray) -> Hits:
+        """Return what rays hit of every shape.
+
+        Args:
+            origin: Where the rays begin, in the axes of each shape (shapes, 1, 3) [m].
+            direction: Their directions, likewise (shapes, rays, 3) [-].
+        """
+
+    @abstractmethod
+    def distances_in_own_axes(self, points: np.ndarray) -> np.ndarray:
+        """Return how far points are from every shape, negative inside [m].
+
+        Args:
+            points: The points, in the axes of each shape (shapes, points, 3) [m].
+        """
+
+
+class _Boxes(_Group):
+    """Boxes: a ray is in one while it is between all three pairs of faces."""
+
+    def cast_in_own_axes(self, origin: np.ndarray, direction: np.ndarray) -> Hits:
+        """See `_Group`."""
+        slope = _nonzero(direction)
+        to_lower_face = (-self.size - origin) / slope
+        to_upper_face = (self.size - origin) / slope
+        entries = np.minimum(to_lower_face, to_upper_face)
+        exits = np.maximum(to_lower_face, to_upper_face)
+        entry = np.max(entries, axis=-1)
+        is_hit = entry <= np.min(exits, axis=-1)
+        is_ahead = entry >= 0.0
+        # The face by which the ray enters is that of the last entry.
+        is_of_last_entry = entries == entry[..., np.newaxis]
+        normal = np.where(is_of_last_entry, -np.sign(slope), 0.0)
+        length = np.linalg.norm(normal, axis=-1, keepdims=True)
+        return _hits(is_hit & is_ahead, entry, normal / length)
+
+    def distances_in_own_axes(self, points: np.ndarray) -> np.ndarray:
+        """See `_Group`."""
+        return _distance_beyond(np.abs(points) - self.size)
+
+
+class _Cylinders(_Group):
+    """Cylinders: a ray enters by the round side or by an end."""
+
+    @property
+    def _radius(self) -> np.ndarray:
+        return self.size[..., 0]
+
+    @property
+    def _half_length(self) -> np.ndarray:
+        return self.size[..., 2]
+
+    def cast_in_own_axes(self, origin: np.ndarray, direction: np.ndarray) -> Hits:
+        """See `_Group`."""
+        by_side = self._cast_at_side(origin, direction)
+        by_end = self._cast_at_end(origin, direction)
+        return _nearer_hits(by_side, by_end)
+
+    def _cast_at_side(self, origin: np.ndarray, direction: np.ndarray) -> Hits:
+        """Return what rays hit of the round sides: the roots of a quadratic equation in the distance."""
+        across = direction[..., :2]
+        origin_across = origin[..., :2]
+        steepness = np.maximum(_dot(across, across), TINY)
+        approach = _dot(origin_across, across)
+        beyond = _dot(origin_across, origin_across) - self._radius**2
+        discriminant = approach**2 - steepness * beyond
+        root = np.sqrt(np.maximum(discriminant, 0.0))
+        distance = (-approach - root) / steepness
+        point = _walk(origin, direction, distance)
+        is_on_side = np.abs(point[..., 2]) <= self._half_length
+        is_hit = (discriminant > 0.0) & (distance >= 0.0) & is_on_side
+        normal = point / self.size
+        normal[..., 2] = 0.0
+        return _hits(is_hit, distance, normal)
+
+    def _cast_at_end(self, origin: np.ndarray, direction: np.ndarray) -> Hits:
+        """Return what rays hit of the ends that face them."""
+        rise = _nonzero(direction[..., 2])
+        side_of_end = -np.sign(rise)
+        distance = (side_of_end * self._half_length - origin[..., 2]) / rise
+        point = _walk(origin, direction, distance)
+        across = point[..., :2]
+        is_on_end = _dot(across, across) <= self._radius**2
+        is_hit = (distance >= 0.0) & is_on_end
+        normal = np.zeros_like(point)
+        normal[..., 2] = side_of_end
+        return _hits(is_hit, distance, normal)
+
+    def distances_in_own_axes(self, points: np.ndarray) -> np.ndarray:
+        """See `_Group`."""
+        beyond_side = np.linalg.norm(points[..., :2], axis=-1) - self._radius
+        beyond_end = np.abs(points[..., 2]) - self._half_length
+        return _distance_beyond(np.stack((beyond_side, beyond_end), axis=-1))
+
+
+class _Spheres(_Group):
+    """Spheres."""
+
+    @property
+    def _radius(self) -> np.ndarray:
+        return self.size[..., 0]
+
+    def cast_in_own_axes(self, origin: np.ndarray, direction: np.ndarray) -> Hits:
+        """See `_Group`."""
+        approach = _dot(origin, direction)
+        beyond = _dot(origin, origin) - self._radius**2
+        discriminant = approach**2 - beyond
+        root = np.sqrt(np.maximum(discriminant, 0.0))
+        distance = -approach - root
+        is_hit = (discriminant > 0.0) & (distance >= 0.0)
+        point = _walk(origin, direction, distance)
+        return _hits(is_hit, distance, point / self.size)
+
+    def distances_in_own_axes(self, points: np.ndarray) -> np.ndarray:
+        """See `_Group`."""
+        return np.linalg.norm(points, axis=-1) - self._radius
+
+
+GROUPS: Mapping[ShapeKind, type[_Group]] = {
+    "box": _Boxes,
+    "cylinder": _Cylinders,
+    "sphere": _Spheres,
+}
+"""What computes the shapes of every kind."""
+
+
+def _dot(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Return the scalar products of vectors along the last axis."""
+    return np.sum(first * second, axis=-1)
+
+
+def _nonzero(values: np.ndarray) -> np.ndarray:
+    """Return numbers by which can be divided: those near 0 become `TINY`."""
+    return np.where(np.abs(values) < TINY, TINY, values)
+
+
+def _distance_beyond(beyond: np.ndarray) -> np.ndarray:
+    """Return the distance of points that are so far beyond each pair of faces, negative between all of them [m]."""
+    outside = np.linalg.norm(np.maximum(beyond, 0.0), axis=-1)
+    inside = np.minimum(np.max(beyond, axis=-1), 0.0)
+    return outside + inside
+
+
+def _walk(origin: np.ndarray, direction: np.ndarray, distance: np.ndarray) -> np.ndarray:
+    """Return the points at which rays arrive after a distance."""
+    return origin + distance[..., np.newaxis] * direction
+
+
+def _hits(is_hit: np.ndarray, distance: np.ndarray, normal: np.ndarray) -> Hits:
+    """Return hits where there are any, infinitely far away elsewhere."""
+    return Hits(distance=np.where(is_hit, distance, np.inf), normal=normal)
+
+
+def _nearer_hits(first: Hits, second: Hits) -> Hits:
+    """Return, for every ray, the nearer one of two hits."""
+    second_is_nearer = second.distance < first.distance
+    return Hits(
+        distance=np.where(second_is_nearer, second.distance, first.distance),
+        normal=np.where(second_is_nearer[..., np.newaxis], second.normal, first.normal),
+    )
