@@ -81,6 +81,21 @@ def test_a_reset_begins_again():
     assert np.array_equal(first, again)
 
 
+def test_a_record_is_a_trial_of_the_run_since_the_last_reset(tmp_path):
+    vehicle = Vehicle(scenario_in("planar"))
+    assert vehicle.record.trial() is None
+    vehicle.step(Command(gait=GAIT), INTERVAL)
+    vehicle.reset()
+    for _ in range(200):
+        step = vehicle.step(Command(gait=GAIT), INTERVAL)
+    vehicle.record.trial().save(tmp_path / "run.nc")
+    trial = lc.load_trial(tmp_path / "run.nc")
+    assert trial.time == pytest.approx(np.arange(0.0, 2.01, 0.05))
+    assert trial.joint_angle[-1] == pytest.approx(step.log.joint_angle[-1])
+    assert trial.status == "Stepped by another program."
+    assert trial.forward_velocity > 0.0
+
+
 def test_a_rotation_vector_is_the_inverse_of_rodrigues_also_for_tiny_turns():
     for size in (1e-10, 1e-3, 1.0, 3.0):
         vector = size * np.array([0.6, -0.64, 0.48])

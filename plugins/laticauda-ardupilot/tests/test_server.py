@@ -43,6 +43,12 @@ channels = [
 """
 
 
+def environment_of_programs():
+    """The environment of a program that finds both packages."""
+    places = [str(Path(module.__file__).parents[1]) for module in (lc, laticauda_ardupilot)]
+    return os.environ | {"PYTHONPATH": os.pathsep.join([*places, os.environ.get("PYTHONPATH", "")])}
+
+
 @pytest.fixture
 def robot(tmp_path):
     """The command's process; `address` is where it listens."""
@@ -50,15 +56,14 @@ def robot(tmp_path):
     (tmp_path / "mix.toml").write_text(MIXING)
     argv = [sys.executable, "-m", "laticauda_ardupilot.app", str(tmp_path / "plane.toml")]
     argv += ["--mixing", str(tmp_path / "mix.toml"), "--port", "0", "--json"]
-    places = [str(Path(module.__file__).parents[1]) for module in (lc, laticauda_ardupilot)]
-    env = os.environ | {"PYTHONPATH": os.pathsep.join([*places, os.environ.get("PYTHONPATH", "")])}
-    with running(argv, env=env, stdout=subprocess.PIPE) as program:
+    argv += ["--save", str(tmp_path / "run.nc")]
+    with running(argv, env=environment_of_programs(), stdout=subprocess.PIPE) as program:
         said = json.loads(program.stdout.readline())
         program.address = said["host"], said["port"]
         yield program
 
 
-def test_ardupilots_double_flies_restarts_and_ends_with_the_program(robot):
+def test_ardupilots_double_flies_restarts_and_ends_with_the_program(robot, tmp_path):
     pilot = Pilot(heading=math.radians(30.0), depth=0.0)
     readings = fly(Ardupilot(frame_rate=200), pilot, robot.address, duration=12.0)
     assert len(readings) == 12 * 200
@@ -74,6 +79,7 @@ def test_ardupilots_double_flies_restarts_and_ends_with_the_program(robot):
     assert robot.wait(20.0) == 0
     assert counts["frames"] == 12 * 200 + 20
     assert counts["resets"] == 1
+    assert lc.load_trial(tmp_path / "run.nc").time[-1] == pytest.approx(0.1)  # since the restart
 
 
 def test_packets_that_a_socket_loses_and_doubles_are_survived():
@@ -132,3 +138,19 @@ def test_every_parameter_of_the_frame_is_a_name_and_a_number():
     assert len(parameters) == len(lines)
     assert all(math.isfinite(float(value)) for value in parameters.values())
     assert parameters["FRAME_CONFIG"] == "4"
+
+
+def test_pid_loops_in_another_process_hold_heading_and_depth_of_the_eel():
+    env = environment_of_programs()
+    server = [sys.executable, "-m", "laticauda_ardupilot.app", "eel", "--port", "0", "--json"]
+    with running(server, env=env, stdout=subprocess.PIPE) as program:
+        port = json.loads(program.stdout.readline())["port"]
+        pilot = [sys.executable, "-m", "laticauda_ardupilot.emulator", "--port", str(port)]
+        pilot += ["--rate", "50", "--heading-deg", "30", "--depth", "0.8", "--duration", "60"]
+        with running(pilot, env=env, stdout=subprocess.PIPE) as flight:
+            held = json.loads(flight.stdout.read())
+    assert held["frames"] == 3000
+    assert held["largest_heading_error_deg"] < 3.0
+    assert held["largest_depth_error_m"] < 0.02
+    assert held["north_m"] > 1.0  # it swam
+    assert held["battery_V"][0] < 42.0

@@ -9,6 +9,7 @@ from laticauda.connect.vehicle_motion import (
     VehicleMotion,
     measure_inertial,
 )
+from laticauda.connect.vehicle_record import VehicleRecord
 from laticauda.models import simulate
 from laticauda.scenarios import Command, Scenario, Spatial, Start
 from laticauda.values import BadArgument, Log, SimulationFailed
@@ -56,6 +57,8 @@ class Vehicle:
         self.state: Any = self.plant.init(self.scenario.start, Command(gait=self.scenario.gait))
         """State of the plant."""
         self._motion: VehicleMotion | None = None
+        self.record = VehicleRecord(self.scenario)
+        """The run since the last reset."""
 
     def step(self, command: Command, duration: float) -> VehicleStep:
         """Hold a command for some time, and return what sensors tell at its end.
@@ -73,6 +76,7 @@ class Vehicle:
             raise SimulationFailed(advance.failure)
         self.state = advance.state
         log = self.plant.log([advance.stretch])
+        self.record.add(log)
         before = self._motion or self._tracker.motion(log, 0)
         self._motion = self._tracker.motion(log, -1, before)
         ranges: tuple[float, ...] = ()

@@ -8,7 +8,9 @@ from typing import Annotated
 import tyro
 
 from laticauda.cli.command import Command, Outcome, until_stopped
+from laticauda.cli.flag_types import TrialOutput
 from laticauda.cli.flags import BadFlag, parse_command
+from laticauda.connect.vehicle_record import save_record
 from laticauda.scenarios import load_scenario
 from laticauda.values import LaticaudaError, check_label, option, quantity, value_class
 from laticauda_ardupilot.lock_step import LockStep
@@ -40,6 +42,10 @@ class Serve(Command):
         check=check_label,
     )
     port: int = quantity("", "UDP port; 0 takes a free one", ge=0, le=65535, default=PORT)
+    save: TrialOutput = option(
+        "Write the run since the last reset at the end, up to an hour of it (.nc and others)",
+        default=None,
+    )
 
     def run(self) -> Outcome | None:
         """Serve until Ctrl-C."""
@@ -56,6 +62,7 @@ class Serve(Command):
                 facts, f"udp {server.host}:{server.port} | parameters {facts['parameters']}"
             )
             server.run()
+        save_record(vehicle.robot.record, self.save)
         counts = asdict(lock_step.counts)
         lines = [f"{name}: {count}" for name, count in counts.items()]
         return Outcome(facts=counts, text=", ".join(lines))

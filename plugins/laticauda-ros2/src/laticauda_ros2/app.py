@@ -8,7 +8,9 @@ from typing import Annotated, Literal
 import tyro
 
 from laticauda.cli.command import Command, Outcome, until_stopped
+from laticauda.cli.flag_types import TrialOutput
 from laticauda.cli.flags import BadFlag, parse_command
+from laticauda.connect.vehicle_record import save_record
 from laticauda.scenarios import load_scenario
 from laticauda.values import BadArgument, LaticaudaError, option, quantity, value_class
 from laticauda_ros2.drive import Drive, load_drive
@@ -40,6 +42,10 @@ class Serve(Command):
     distribution: Literal["humble", "jazzy", "kilted"] = option(
         "ROS 2 of the others, which decides what a Range is", default="jazzy"
     )
+    save: TrialOutput = option(
+        "Write the run since the last reset at the end, up to an hour of it (.nc and others)",
+        default=None,
+    )
 
     def run(self) -> Outcome | None:
         """Serve until Ctrl-C."""
@@ -60,6 +66,7 @@ class Serve(Command):
             topics = " ".join(node.topics)
             self.announce({"domain": domain, "topics": node.topics}, f"domain {domain} | {topics}")
             node.run(Event().is_set, self.speed)
+        save_record(node.record, self.save)
         return None
 
 

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from laticauda.connect.vehicle import Vehicle, VehicleStep
+from laticauda.connect.vehicle_record import VehicleRecord
 from laticauda.robot import Water
 from laticauda.scenarios import Command, Scenario
 from laticauda_ros2 import messages, reports
@@ -127,6 +128,11 @@ class VehicleNode:
         names = [TWIST, GOALS, RESET, STATES, ODOMETRY, IMU, PRESSURE]
         names += [RANGE.format(ray) for ray in self._rays]
         return (*(self._topic(name) for name in names), TRANSFORMS, CLOCK)
+
+    @property
+    def record(self) -> VehicleRecord:
+        """The run since the last reset."""
+        return self._vehicle.record
 
     def run(self, is_ended: Callable[[], bool], speed: float = 1.0) -> None:
         """Step and tell until the end.
