@@ -9,6 +9,7 @@ from laticauda.identify import Measurement, from_trial
 from laticauda.identify.interpolation import interpolated
 from laticauda.identify.model import predict
 from laticauda.identify.problem import make_problem
+from laticauda.models.simulate import gradients
 
 SERIES = {"center_of_mass": 0.01, "heading": 0.01}
 
@@ -70,6 +71,36 @@ def test_the_jacobian_of_figures_and_series_is_that_of_differences():
     check_jacobian(put, np.array([0.25, 0.02, 0.1, 0.1, 0.05, -0.03, 0.2, 0.1, 0.02, -0.1, 0.05]))
     assert not put.depends_on[0, 2] and put.depends_on[1, 2]
     assert not put.depends_on[0, 7] and put.depends_on[1, 7]
+
+
+def test_many_unknowns_of_few_figures_are_differentiated_backward_to_the_same_jacobian(monkeypatch):
+    turning = [replace(gait, offset=0.05) for gait in gaits(2)]
+    figures = {"x": 0.01, "mean_power": 1.0}
+    measured = [
+        from_trial(lc.swim(FINNED, gait, duration, environment=WATER), name=name, figures=figures)
+        for name, gait, duration in zip("ab", turning, (4.0, 6.0), strict=True)
+    ]
+    names = [
+        "water.tangential_friction",
+        "water.normal_drag",
+        "water.added_mass",
+        "water.added_inertia",
+        "water.tangential_added_mass",
+        "water.current_y",
+        "robot.caudal_fin.height",
+        "robot.module.mass",
+        "robot.module.center",
+        "robot.joint.damping",
+        "start.heading",
+        "measured.offset_x",
+    ]
+    put = make_problem(measured, names, dt=0.05)
+    backward = predict(put, put.start).jacobian
+    monkeypatch.setattr(gradients, "MOST_FORWARD", 1000)
+    forward = predict(put, put.start).jacobian
+    scale = np.abs(forward).max(axis=0)
+    np.testing.assert_allclose(backward / scale, forward / scale, rtol=1e-10, atol=1e-12)
+    assert np.any(backward != forward)  # by another way
 
 
 def test_the_jacobian_of_joints_is_that_of_differences():

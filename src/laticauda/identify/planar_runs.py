@@ -1,9 +1,11 @@
 """Runs of the planar model: all trials of one duration in a batch, and their derivatives.
 
 The kernels carry each number with its derivative (a complex step), so that the derivative of a run
-with respect to one unknown is one more run of a batch, whose results are complex.
+with respect to one unknown is one more run of a batch, whose results are complex. A run of which few
+figures were measured, and which depends on many unknowns, is differentiated backward in time.
 """
 
+from collections import Counter
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import NamedTuple
@@ -14,7 +16,7 @@ from laticauda.identify.interpolation import interpolated
 from laticauda.identify.problem import SAMPLE_INTERVAL, Problem, shift_start
 from laticauda.identify.resolving import with_tied
 from laticauda.identify.runs import SimulatedRuns, data_of_measurements, logged_series, swimming
-from laticauda.identify.sensing import RunResults, measured_values
+from laticauda.identify.sensing import RunResults, figures_seen, measured_values
 from laticauda.identify.series import SERIES_KINDS
 from laticauda.identify.unknowns import NUISANCE, SIMULATED, ResolvedUnknown
 from laticauda.models.planar import STEP, Block, Run
@@ -24,6 +26,7 @@ from laticauda.models.simulate import (
     batch_scenarios,
     change_parameters,
     derivatives,
+    gradients,
     silent,
 )
 from laticauda.scenarios import Scenario
@@ -162,8 +165,15 @@ def differentiate_pairs(
         same_duration = [
             pair for pair, own in zip(pairs, durations, strict=True) if own == duration
         ]
-        slopes = _differentiate_batch(problem, scenarios, values, same_duration)
-        slope_of_pair.update(zip(same_duration, slopes, strict=True))
+        backward = _measurements_differentiated_backward(problem, scenarios, same_duration)
+        forward_pairs = [pair for pair in same_duration if pair.measurement not in backward]
+        backward_pairs = [pair for pair in same_duration if pair.measurement in backward]
+        if forward_pairs:
+            slopes = _differentiate_batch(problem, scenarios, values, forward_pairs)
+            slope_of_pair.update(zip(forward_pairs, slopes, strict=True))
+        if backward_pairs:
+            slopes = _differentiate_backward(problem, scenarios, values, backward_pairs)
+            slope_of_pair.update(zip(backward_pairs, slopes, strict=True))
     return [slope_of_pair[pair] for pair in pairs]
 
 
@@ -210,6 +220,61 @@ def _differentiate_batch(
         shown = measured_values(problem.measurements[i], stepped_results[lane], nuisance)
         slopes.append(np.imag(shown) / STEP)
     return slopes
+
+
+def _measurements_differentiated_backward(
+    problem: Problem, scenarios: Sequence[Scenario], pairs: Sequence[Pair]
+) -> set[int]:
+    """Return the measurements whose few figures are cheaper to differentiate than their runs by every unknown.
+
+    What pairs there are besides does not matter: a cluster gets the same results from a part of them.
+    """
+    n_unknowns = Counter(pair.measurement for pair in pairs_to_differentiate(problem))
+    members: list[int] = []
+    for i in sorted({pair.measurement for pair in pairs}):
+        if n_unknowns[i] > gradients.MOST_FORWARD and not problem.measurements[i].series:
+            members.append(i)
+    if not members:
+        return set()
+    runs = batch_scenarios.runs_of([scenarios[i] for i in members])
+    backward: set[int] = set()
+    for i, run in zip(members, runs, strict=True):
+        n_figures = len(figures_seen(problem.measurements[i]))
+        if gradients.is_cheaper([run.plant], n_figures=n_figures, n_numbers=n_unknowns[i]):
+            backward.add(i)
+    return backward
+
+
+def _differentiate_backward(
+    problem: Problem, scenarios: Sequence[Scenario], values: np.ndarray, pairs: Sequence[Pair]
+) -> list[np.ndarray]:
+    """Differentiate the runs of some pairs of the same duration, one sweep for each figure of a measurement."""
+    pairs_of: dict[int, list[Pair]] = {}
+    for pair in pairs:
+        pairs_of.setdefault(pair.measurement, []).append(pair)
+    numbers: list[list[derivatives.Number]] = []
+    for members in pairs_of.values():
+        numbers.append(
+            [_differentiated_number(problem, scenarios, values, pair) for pair in members]
+        )
+    figures = [figures_seen(problem.measurements[i]) for i in pairs_of]
+    results = gradients.compute_jacobians(
+        batch_scenarios.runs_of([scenarios[i] for i in pairs_of]),
+        numbers,
+        figures,
+        scenarios[pairs[0].measurement].duration,
+        sample_interval=SAMPLE_INTERVAL,
+        threads=problem.threads,
+    )
+    slope_of_pair: dict[Pair, np.ndarray] = {}
+    for (i, members), names, result in zip(pairs_of.items(), figures, results, strict=True):
+        nuisance = problem.nuisance(i, values)
+        for column, pair in enumerate(members):
+            stepped_values = result.values + 1j * STEP * result.jacobian[:, column]
+            stepped_result = RunResults(figures=dict(zip(names, stepped_values, strict=True)))
+            shown = measured_values(problem.measurements[i], stepped_result, nuisance)
+            slope_of_pair[pair] = np.imag(shown) / STEP
+    return [slope_of_pair[pair] for pair in pairs]
 
 
 def _differentiated_number(

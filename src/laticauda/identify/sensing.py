@@ -41,6 +41,19 @@ def measured_values(measurement: "Measurement", run: RunResults, nuisance: Nuisa
     return np.concatenate([np.array(figures), *series])
 
 
+def figures_seen(measurement: "Measurement") -> list[str]:
+    """Return the names of the figures of a run on which the measured figures depend.
+
+    Args:
+        measurement: Defines what was measured.
+    """
+    names = list(measurement.figures)
+    # The tracked point is off the center of mass in a direction that turns with the heading.
+    if ("x" in names or "y" in names) and "heading" not in names:
+        names.append("heading")
+    return names
+
+
 def _shown_figure(name: str, run: RunResults, nuisance: Nuisance) -> Any:
     value = run.figures[name]
     if name == "heading":

@@ -136,7 +136,7 @@ def compute_jacobians(
     sample_interval: float = 0.05,
     threads: int | None = None,
     progress: Progress = silent,
-) -> list["FigureJacobian"]:
+) -> "list[FigureJacobian]":
     """Compute figures of runs and their derivatives with respect to numbers of each run, backward in time.
 
     Args:
@@ -152,33 +152,19 @@ def compute_jacobians(
         ValueError: If a number cannot change to either side.
     """
     shared = SharedWork()
-    changes: list[list[RowDerivative]] = []
-    complete_runs: list[batch.Run] = []
-    for run, numbers_of_run in zip(runs, numbers, strict=True):
-        changes_of_run = [shared.derivative_of(run, number) for number in numbers_of_run]
-        needs_extras = any(change.needs_extras for change in changes_of_run)
-        if needs_extras and not run.plant.layout.has_extras:
-            run = replace(run, plant=shared.plant_with_extras(run.plant))
-        changes.append(changes_of_run)
-        complete_runs.append(run)
-    pairs: list[FigureOfRun] = []
-    for i, names in enumerate(figures):
-        pairs += [FigureOfRun(i, name) for name in names]
+    sweeps = _Sweeps(shared)
+    for run, numbers_of_run, figures_of_run in zip(runs, numbers, figures, strict=True):
+        changes = [shared.derivative_of(run, number) for number in numbers_of_run]
+        sweeps.add(run, changes, figures_of_run)
     gradients = compute_row_gradients(
-        complete_runs,
-        pairs,
+        sweeps.runs,
+        sweeps.figures,
         duration,
         sample_interval=sample_interval,
         threads=threads,
         progress=progress,
     )
-    jacobians: list[FigureJacobian] = []
-    first = 0
-    for names, changes_of_run in zip(figures, changes, strict=True):
-        end = first + len(names)
-        jacobians.append(FigureJacobian.of(gradients[first:end], changes_of_run))
-        first = end
-    return jacobians
+    return [task.combine(gradients) for task in sweeps.tasks]
 
 
 class FigureJacobian(NamedTuple):
@@ -191,20 +177,67 @@ class FigureJacobian(NamedTuple):
     status: str
     """How the run ended."""
 
-    @classmethod
-    def of(
-        cls, gradients: Sequence[Gradient], changes: Sequence[RowDerivative]
-    ) -> "FigureJacobian":
-        """Return the derivatives to numbers, from those to rows and from how the numbers enter them."""
-        jacobian = np.empty((len(gradients), len(changes)))
-        for i, gradient in enumerate(gradients):
-            for k, change in enumerate(changes):
-                jacobian[i, k] = gradient.along(change.rows, change.weight)
-        return cls(
-            values=np.array([gradient.value for gradient in gradients]),
+
+class _Task(NamedTuple):
+    """What is differentiated of a run."""
+
+    changes: Sequence[RowDerivative]
+    """How each number enters the run."""
+    sweep_of_change: Sequence[int]
+    """For each number, the index of the first sweep that holds its derivatives."""
+    n_figures: int
+    """Number of figures, each with a sweep of its own."""
+
+    def combine(self, gradients: Sequence[Gradient]) -> FigureJacobian:
+        """Return the derivatives with respect to numbers from those with respect to rows."""
+        jacobian = np.empty((self.n_figures, len(self.changes)))
+        for k, (change, first) in enumerate(zip(self.changes, self.sweep_of_change, strict=True)):
+            for i in range(self.n_figures):
+                jacobian[i, k] = gradients[first + i].along(change.rows, change.weight)
+        first = self.sweep_of_change[0]
+        own_gradients = gradients[first : first + self.n_figures]
+        return FigureJacobian(
+            values=np.array([gradient.value for gradient in own_gradients]),
             jacobian=jacobian,
-            status=gradients[0].status,
+            status=own_gradients[0].status,
         )
+
+
+class _Sweeps:
+    """Sweeps of all runs; a number that needs further loads has sweeps of its own.
+
+    What is computed for a number thereby does not depend on which others are asked for.
+    """
+
+    def __init__(self, shared: SharedWork) -> None:
+        self.runs: list[batch.Run] = []
+        """Runs to sweep, some with kernels for all loads."""
+        self.figures: list[FigureOfRun] = []
+        """Figures of these runs, one for each sweep."""
+        self.tasks: list[_Task] = []
+        """What is made of the sweeps, one for each run that was added."""
+        self._shared = shared
+
+    def add(self, run: batch.Run, changes: Sequence[RowDerivative], figures: Sequence[str]) -> None:
+        """Add the sweeps that a run needs."""
+        first_sweeps: dict[bool, int] = {}
+        sweep_of_change: list[int] = []
+        for change in changes:
+            needs_extras = change.needs_extras and not run.plant.layout.has_extras
+            if needs_extras not in first_sweeps:
+                first_sweeps[needs_extras] = self._add_sweeps(run, needs_extras, figures)
+            sweep_of_change.append(first_sweeps[needs_extras])
+        task = _Task(changes=changes, sweep_of_change=sweep_of_change, n_figures=len(figures))
+        self.tasks.append(task)
+
+    def _add_sweeps(self, run: batch.Run, needs_extras: bool, figures: Sequence[str]) -> int:
+        """Add sweeps for all figures of a run; return the index of the first."""
+        first = len(self.figures)
+        if needs_extras:
+            run = replace(run, plant=self._shared.plant_with_extras(run.plant))
+        self.figures += [FigureOfRun(len(self.runs), figure) for figure in figures]
+        self.runs.append(run)
+        return first
 
 
 def _blocks(runs: Sequence[batch.Run], interval: float) -> Iterator[list[int]]:
