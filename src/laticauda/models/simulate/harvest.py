@@ -5,13 +5,15 @@ bit.
 """
 
 # pyright: basic
+# pyright: reportCallIssue=false
 # ruff: noqa: N803
 
 import math
 
 import numpy as np
 
-from laticauda.compiling import entry, kernel
+from laticauda.compiling import entry, kernel, lane_types
+from laticauda.compiling.lanes import magnitude, where
 from laticauda.compiling.templates import bindings
 from laticauda.models.planar.rows import HEADING, N_WORKS, TIME, VX, WORK_ABSOLUTE, X
 
@@ -20,6 +22,8 @@ N_LANES = _specialization["n_lanes"]
 """Runs of a block."""
 MOST_POSTURES = _specialization["most_postures"]
 """Postures that are checked for crossing links in each run."""
+as_rows = lane_types.rows_of(N_LANES)
+"""Interprets an array as rows with a number per lane."""
 _X = X - TIME
 _VX = VX - TIME
 N_AXES = 2
@@ -68,6 +72,101 @@ def keep_path(log, S, index, before, numbers):
 
 
 @entry
+def fill_lanes(rows_of_base, offset_of_base, waves, filtered, first_command, index, S):
+    """Write the rows of runs that are copies of one base, apart from their waves.
+
+    Args:
+        rows_of_base: Rows of the base.
+        offset_of_base: What its command adds to the last number of a wave [rad].
+        waves: One column per run of the batch.
+        filtered: Rows of the state that begin with the first numbers of a wave.
+        first_command: First row of a wave.
+        index: Index of each lane's run in the batch; the last one also fills what lanes are left.
+        S: Receives the rows.
+    """
+    for row in range(rows_of_base.size):
+        for lane in range(N_LANES):
+            S[row, lane] = rows_of_base[row]
+    n_numbers = waves.shape[0]
+    for lane in range(N_LANES):
+        run = index[min(lane, index.size - 1)]
+        for number in range(n_numbers):
+            S[first_command + number, lane] = waves[number, run]
+        for number in range(filtered.size):
+            S[filtered[number], lane] = waves[number, run]
+        S[first_command + n_numbers - 1, lane] += offset_of_base
+
+
+@entry
+def find_peaks(
+    log,
+    block,
+    columns,
+    first,
+    stall_torque,
+    duty_per_rate,
+    joint_limit,
+    no_load_speed,
+    n_joints,
+    length,
+    half_width,
+    smallest_curl,
+    peaks,
+    curl,
+    utilization,
+    crosses,
+):
+    """Find the peaks of every driven joint of a block, and the lanes in which links may cross.
+
+    Args:
+        log: Log of the block.
+        block: Its index. All that has an axis for the lanes also has one for the blocks before it,
+            but for `curl` and `crosses`, which belong to one block at a time.
+        columns: Columns of angles, rates and torques of the driven joints in the log.
+        first: First sample that counts.
+        stall_torque: Of the driven joints [N m].
+        duty_per_rate: Of the driven joints [s/rad].
+        joint_limit: Of the driven joints [rad].
+        no_load_speed: Of the driven joints [rad/s].
+        n_joints: Number of joints of the body.
+        length: Lengths of the links [m].
+        half_width: Half of their widths [m].
+        smallest_curl: Curl below which no link crosses another [rad].
+        peaks: Receives the peaks.
+        curl: Receives the curl [rad].
+        utilization: Receives the utilization [-].
+        crosses: Receives whether links may cross.
+    """
+    scan_joints(
+        log,
+        columns,
+        first[block],
+        stall_torque[block],
+        duty_per_rate[block],
+        joint_limit[block],
+        no_load_speed[block],
+        n_joints,
+        peaks[block],
+        curl,
+        utilization[block],
+    )
+    find_crossing(
+        log,
+        columns[0, 0],
+        curl,
+        smallest_curl[block],
+        length[block],
+        half_width[block],
+        utilization[block],
+        crosses,
+    )
+    for lane in range(N_LANES):
+        if crosses[lane]:
+            return True
+    return False
+
+
+@kernel
 def scan_joints(
     log,
     columns,
@@ -87,7 +186,7 @@ def scan_joints(
         log: Log of a block.
         columns: Columns of the driven joints in the log, those of the body first: of their angles,
             rates and torques.
-        first: First sample of each lane that counts.
+        first: First sample of each lane that counts, as a float.
         stall_torque: Of every driven joint and lane [N m].
         duty_per_rate: Duty per rate, of every driven joint and lane [s/rad].
         joint_limit: Largest angle, of every driven joint and lane [rad].
@@ -98,42 +197,41 @@ def scan_joints(
             its last row that of all samples; 0 for samples that do not count [rad].
         utilization: Receives the largest share of angle, speed and torque of each lane [-].
     """
-    n_samples = log.shape[0]
-    # What is added is in memory, rounded: multiplied in the same expression, it would not be.
-    added_duty = curl[0].copy()
-    direction = curl[0].copy()
-    leftmost = curl[0].copy()
-    rightmost = curl[0].copy()
+    n_samples, n_rows, _ = log.shape
+    n_driven = columns.shape[1]
+    of_log, of_peaks, of_curl = as_rows(log), as_rows(peaks), as_rows(curl)
+    of_stall, of_duty, of_first = as_rows(stall_torque), as_rows(duty_per_rate), as_rows(first)
+    first_of_all = int(first.min())
+    nothing = 0.0 * of_stall[0]
+    largest_curl = nothing
     peaks[:] = 0.0
-    curl[:] = 0.0
-    for sample in range(first.min(), n_samples):
-        direction[:] = 0.0
-        leftmost[:] = 0.0
-        rightmost[:] = 0.0
-        for joint in range(columns.shape[1]):
-            angle = log[sample, columns[0, joint]]
-            rate = log[sample, columns[1, joint]]
-            torque = log[sample, columns[2, joint]]
-            for lane in range(N_LANES):
-                added_duty[lane] = rate[lane] * duty_per_rate[joint, lane]
-            for lane in range(N_LANES):
-                share = torque[lane] / stall_torque[joint, lane] + added_duty[lane]
-                driven_rate = 0.0 if rate[lane] * torque[lane] < 0.0 else rate[lane]
-                counts = sample >= first[lane]
-                keep_larger(peaks, ANGLE, joint, lane, angle[lane], counts)
-                keep_larger(peaks, RATE, joint, lane, rate[lane], counts)
-                keep_larger(peaks, TORQUE, joint, lane, torque[lane], counts)
-                keep_larger(peaks, DUTY, joint, lane, share, counts)
-                keep_larger(peaks, DRIVEN_RATE, joint, lane, driven_rate, counts)
+    curl[:first_of_all] = 0.0
+    for sample in range(first_of_all, n_samples):
+        counts = of_first[0] <= sample
+        direction = nothing
+        leftmost = nothing
+        rightmost = nothing
+        for joint in range(n_driven):
+            angle = of_log[sample * n_rows + columns[0, joint]]
+            rate = of_log[sample * n_rows + columns[1, joint]]
+            torque = of_log[sample * n_rows + columns[2, joint]]
+            # A product is selected before it is added, and thus rounded as it is in NumPy.
+            added_duty = where(counts, rate * of_duty[joint], 0.0)
+            share = torque / of_stall[joint] + added_duty
+            driven_rate = where(rate * torque < 0.0, 0.0, rate)
+            keep_larger(of_peaks, ANGLE * n_driven + joint, angle, counts)
+            keep_larger(of_peaks, RATE * n_driven + joint, rate, counts)
+            keep_larger(of_peaks, TORQUE * n_driven + joint, torque, counts)
+            keep_larger(of_peaks, DUTY * n_driven + joint, share, counts)
+            keep_larger(of_peaks, DRIVEN_RATE * n_driven + joint, driven_rate, counts)
             if joint < n_joints:
-                for lane in range(N_LANES):
-                    direction[lane] += angle[lane]
-                    leftmost[lane] = max(leftmost[lane], direction[lane])
-                    rightmost[lane] = min(rightmost[lane], direction[lane])
-        for lane in range(N_LANES):
-            if sample >= first[lane]:
-                curl[sample, lane] = leftmost[lane] - rightmost[lane]
-                curl[n_samples, lane] = max(curl[n_samples, lane], curl[sample, lane])
+                direction = direction + angle
+                leftmost = max(leftmost, direction)
+                rightmost = min(rightmost, direction)
+        bend = where(counts, leftmost - rightmost, 0.0)
+        of_curl[sample] = bend
+        largest_curl = max(largest_curl, bend)
+    of_curl[n_samples] = largest_curl
     utilization[:] = 0.0
     for joint in range(columns.shape[1]):
         for lane in range(N_LANES):
@@ -146,14 +244,12 @@ def scan_joints(
 
 
 @kernel
-def keep_larger(peaks, row, joint, lane, value, counts):
+def keep_larger(of_peaks, row, value, counts):
     """Keep the magnitude of a value that counts, if it is larger than those before."""
-    largest = peaks[row, joint, lane]
-    size = abs(value) if counts else 0.0
-    peaks[row, joint, lane] = size if size > largest else largest
+    of_peaks[row] = max(where(counts, magnitude(value), 0.0), of_peaks[row])
 
 
-@entry
+@kernel
 def find_crossing(log, first_column, curl, smallest_curl, length, half_width, utilization, crosses):
     """Find the lanes in which links that are no neighbors may use up most of all that the robot offers.
 

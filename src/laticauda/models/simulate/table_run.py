@@ -5,7 +5,7 @@ The results are those of `batch_run.run_batch`, to the last bit, without an obje
 
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cache
 from threading import local
 from typing import Any, NamedTuple
@@ -19,7 +19,6 @@ from laticauda.models.dynamics.school import usable_cores
 from laticauda.models.planar import (
     COMMAND,
     FILTERED_COMMAND,
-    MOST_BLOCKS_PER_TASK,
     PATH_ROWS,
     SAMPLES_PER_CALL,
     WIDTH,
@@ -51,8 +50,14 @@ from laticauda.trials.feasibility import (
     spread_evenly,
 )
 
+MOST_BLOCKS_PER_TASK = 64
+"""Blocks that one thread takes at a time: so many that what is prepared for a task hardly counts."""
 _N_PEAKS = 5
-"""Rows of the peaks that `harvest.scan_joints` finds."""
+"""Rows of the peaks that `harvest.find_peaks` finds."""
+
+
+_FILTERED_COMMAND = np.array(FILTERED_COMMAND)
+"""Rows of the initial state that hold the first numbers of a wave."""
 
 
 def _harvest_row(name: str) -> int:
@@ -233,10 +238,6 @@ class _Buffers:
     """Log of a block."""
     rows: np.ndarray
     """Rows of a block."""
-    base: int = -1
-    """Base whose rows stand in `rows_of_base`."""
-    rows_of_base: np.ndarray = field(default_factory=lambda: np.empty(0))
-    """Rows of a block whose runs all are copies of that base, apart from their waves."""
 
 
 class _Harvest:
@@ -330,10 +331,7 @@ class _Harvest:
         log, block_rows = buffers.log, buffers.rows
         for first in range(0, task.size, WIDTH):
             index = task[first : first + WIDTH]
-            lanes = index
-            if index.size < WIDTH:
-                lanes = np.append(index, np.repeat(index[-1:], WIDTH - index.size))
-            self._fill(buffers, lanes)
+            self._fill(block_rows, index)
             march(block_rows, *chain, plant.is_implicit, n_steps, dt, every, log)
             self.n_samples[index] = block_rows[rows.SAMPLES, : index.size]
             _compiled().keep_path(log, block_rows, index, self.steady.before, self.numbers)
@@ -354,20 +352,28 @@ class _Harvest:
             self._of_thread.buffers = buffers
         return buffers
 
-    def _fill(self, buffers: "_Buffers", lanes: np.ndarray) -> None:
-        """Write the rows of runs into the lanes of a block."""
+    def _fill(self, block_rows: np.ndarray, index: np.ndarray) -> None:
+        """Write the rows of runs into the lanes of a block; the last run fills what lanes are left."""
+        first = int(self.table.base_of[index[0]])
+        is_one_base = self.table.base_of[index[-1]] == first  # the runs of one base are together
+        has_waves = self.table.bases[first].command.references is None
+        if is_one_base and has_waves:
+            _compiled().fill_lanes(
+                self._rows[first],
+                self._command_offset[first],
+                self.table.waves,
+                _FILTERED_COMMAND,
+                COMMAND.start,
+                index,
+                block_rows,
+            )
+            return
+        lanes = np.resize(index, WIDTH)
+        lanes[index.size :] = index[-1]
         bases = self.table.base_of[lanes]
-        first = int(bases[0])
-        block_rows = buffers.rows
-        if bases[-1] == first:  # the runs of one base are together
-            if buffers.base != first:
-                buffers.base = first
-                buffers.rows_of_base = np.repeat(self._rows[first][:, np.newaxis], WIDTH, axis=1)
-            block_rows[:] = buffers.rows_of_base
-        else:
-            for lane, base in enumerate(bases.tolist()):
-                block_rows[:, lane] = self._rows[base]
-        if self.table.bases[first].command.references is None:
+        for lane, base in enumerate(bases.tolist()):
+            block_rows[:, lane] = self._rows[base]
+        if has_waves:
             waves = self.table.waves[:, lanes]
             block_rows[COMMAND] = waves
             block_rows[FILTERED_COMMAND] = waves[: len(FILTERED_COMMAND)]
@@ -458,31 +464,26 @@ class _TaskScan:
         """
         if self._first is None:
             first = count_unsettled_samples(log[:, 0, 0], self._periods)
-            self._first = np.resize(first, self._utilization.shape)
-        _compiled().scan_joints(
+            self._first = np.resize(first.astype(float), self._utilization.shape)
+        some_may_cross = _compiled().find_peaks(
             log,
+            block,
             self._columns,
-            self._first[block],
-            self._stall_torque[block],
-            self._duty_per_rate[block],
-            self._joint_limit[block],
-            self._no_load_speed[block],
+            self._first,
+            self._stall_torque,
+            self._duty_per_rate,
+            self._joint_limit,
+            self._no_load_speed,
             self._n_joints,
-            self._peaks[block],
+            self._length,
+            self._half_width,
+            self._smallest_crossing_curl,
+            self._peaks,
             self._curl,
-            self._utilization[block],
-        )
-        _compiled().find_crossing(
-            log,
-            self._columns[0, 0],
-            self._curl,
-            self._smallest_crossing_curl[block],
-            self._length[block],
-            self._half_width[block],
-            self._utilization[block],
+            self._utilization,
             self._crosses,
         )
-        if self._crosses.any():
+        if some_may_cross:
             for lane in np.flatnonzero(self._crosses).tolist():
                 self._include_crossing(log, block, lane)
 
