@@ -150,30 +150,46 @@ def check_many(scenarios: Sequence[Scenario]) -> None:
     _settle(doubts.values())
 
 
-EXTREMES: tuple[Callable[[Scenario], float], ...] = (
-    lambda scenario: scenario.gait.amplitude,
-    lambda scenario: scenario.gait.frequency,
-    lambda scenario: abs(scenario.gait.phase_shift),
-    lambda scenario: abs(getattr(scenario.start, "heading", 0.0)),
-    lambda scenario: abs(getattr(scenario.start, "velocity", 0.0)),
+EXTREMES_OF_GAITS: tuple[Callable[[Gait], float], ...] = (
+    lambda gait: gait.amplitude,
+    lambda gait: gait.frequency,
+    lambda gait: abs(gait.phase_shift),
 )
 """Numbers whose largest is judged; batches may begin at little."""
+EXTREMES_OF_STARTS: tuple[Callable[[object], float], ...] = (
+    lambda start: abs(getattr(start, "heading", 0.0)),
+    lambda start: abs(getattr(start, "velocity", 0.0)),
+)
+"""The same of starts, which most batches have in common."""
 
 
 def _extremes(scenarios: Sequence[Scenario]) -> Iterable[Scenario]:
     """Return scenarios that have everything between them that could be odd."""
-    chosen: dict[int, Scenario] = {}
-    judged: set[int] = set()
-    for i, scenario in enumerate(scenarios):
-        for part in (scenario.robot, scenario.environment, scenario.model, scenario.gait.recorded):
-            if id(part) not in judged:
-                judged.add(id(part))
-                chosen[i] = scenario
-    for number in EXTREMES:
-        values = [number(scenario) for scenario in scenarios]
-        i = values.index(max(values))
-        chosen[i] = scenarios[i]
-    return chosen.values()
+    gaits = [scenario.gait for scenario in scenarios]
+    starts = [scenario.start for scenario in scenarios]
+    chosen = {
+        *_first_of_each([scenario.robot for scenario in scenarios]),
+        *_first_of_each([scenario.environment for scenario in scenarios]),
+        *_first_of_each([scenario.model for scenario in scenarios]),
+        *_first_of_each([gait.recorded for gait in gaits]),
+    }
+    for number in EXTREMES_OF_GAITS:
+        chosen.add(_place_of_largest([number(gait) for gait in gaits]))
+    if len(_first_of_each(starts)) > 1:
+        for number in EXTREMES_OF_STARTS:
+            chosen.add(_place_of_largest([number(start) for start in starts]))
+    return [scenarios[place] for place in sorted(chosen)]
+
+
+def _first_of_each(parts: Sequence[object]) -> list[int]:
+    """Return where each object is first."""
+    # Backward, so that the first place of each is the one that stays.
+    places = {id(parts[place]): place for place in range(len(parts) - 1, -1, -1)}
+    return list(places.values())
+
+
+def _place_of_largest(values: Sequence[float]) -> int:
+    return values.index(max(values))
 
 
 def check_described(robot: Robot, environment: Environment | None = None) -> None:
