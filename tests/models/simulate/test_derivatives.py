@@ -5,7 +5,12 @@ import pytest
 
 import laticauda as lc
 from laticauda.models.planar import reverse
-from laticauda.models.simulate import build_plant, compute_sensitivities
+from laticauda.models.simulate import (
+    batch_scenarios,
+    build_plant,
+    compute_sensitivities,
+    row_derivatives,
+)
 from laticauda.models.simulate.numbers import UNITS, change_parameters
 from laticauda.robot import Tether, load_robot, load_water
 from laticauda.scenarios import Command, OpenLoop
@@ -216,6 +221,23 @@ def test_many_numbers_are_differentiated_backward_with_the_same_result(duration)
     scale = np.abs(forward).max(axis=2, keepdims=True)
     np.testing.assert_allclose(backward.jacobian / scale, forward / scale, rtol=1e-10, atol=1e-12)
     assert backward.figures == tuple(figures)
+
+
+def test_a_parameter_of_the_wave_is_a_row_itself():
+    run, *_ = batch_scenarios.runs_of([lc.build_scenario(FINNED, GAIT, environment=WATER)])
+    for name in ("amplitude", "frequency", "phase_shift", "offset"):
+        value = getattr(GAIT, name)
+        number = row_derivatives.Number(
+            name=name,
+            scenario=lc.build_scenario(FINNED, GAIT, environment=WATER),
+            value=value,
+            change=lambda changed, name=name: lc.build_scenario(
+                FINNED, replace(GAIT, **{name: changed}), environment=WATER
+            ),
+        )
+        by_differences = row_derivatives.differentiate_rows(run, number, row_derivatives.LINEAR)
+        at_once = row_derivatives.differentiate_wave(run, name)
+        np.testing.assert_allclose(at_once.rows, by_differences.rows, atol=1e-13)
 
 
 def test_laws_and_waters_that_cannot_go_backward_are_differentiated_forward():

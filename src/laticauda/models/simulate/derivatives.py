@@ -20,6 +20,7 @@ from laticauda.models.simulate.row_derivatives import (
     Number as Number,
     RowDerivative,
     differentiate_rows,
+    differentiate_wave,
 )
 from laticauda.trials import metrics
 
@@ -141,6 +142,8 @@ class SharedWork:
         Raises:
             ValueError: If the number cannot change to either side.
         """
+        if number.wave_parameter is not None and run.command.references is None:
+            return differentiate_wave(run, number.wave_parameter)
         key = _DerivativeKey.of(run, number)
         if key in self._derivatives:
             return self._derivatives[key]

@@ -13,7 +13,8 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.models.planar.batch import Run
+from laticauda.models.dynamics.school import GAIT_PARAMETERS
+from laticauda.models.planar.batch import COMMAND, FILTERED_COMMAND, Run
 from laticauda.models.planar.model import PlanarPlant
 from laticauda.scenarios import Scenario, Start
 from laticauda.trials import metrics
@@ -56,6 +57,9 @@ class Number:
     """Returns the scenario with another value; unaffected parts remain the same objects; ValueError if out of range."""
     start: Callable[[float], Start] | None = None
     """Returns the start of the run with another value; None: the start does not depend on the value."""
+    wave_parameter: str | None = None
+    """Name of the field of the gait, one of `GAIT_PARAMETERS`, if `change` changes that alone; None: it changes other
+    things."""
 
     @property
     def is_of_motion(self) -> bool:
@@ -74,6 +78,22 @@ class RowDerivative(NamedTuple):
     """Of the robot's weight, see `carried_weight`."""
     needs_extras: bool
     """Whether the kernels must compute loads that may be 0 at the number's value, see `Layout.has_extras`."""
+
+
+def differentiate_wave(run: Run, parameter: str) -> RowDerivative:
+    """Return what `differentiate_rows` does for a parameter of the gait's wave, which is a row itself.
+
+    Args:
+        run: The run; its references are not held.
+        parameter: One of `GAIT_PARAMETERS`.
+    """
+    place = GAIT_PARAMETERS.index(parameter)
+    changes = np.zeros(run.rows.size)
+    changes[COMMAND.start + place] = 1.0
+    if place < len(FILTERED_COMMAND):
+        # The run begins with the wave that is commanded.
+        changes[FILTERED_COMMAND[place]] = 1.0
+    return RowDerivative(rows=changes, weight=0.0, needs_extras=run.plant.layout.has_extras)
 
 
 class _RunInput(NamedTuple):

@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from laticauda import robot
+from laticauda.models.dynamics.school import GAIT_PARAMETERS
 from laticauda.models.planar import batch
 from laticauda.models.simulate import batch_scenarios, gradients
 from laticauda.models.simulate.derivatives import Number, compute_slopes
@@ -272,11 +273,13 @@ def _values_of(parameters: Sequence[Parameter], scenario: Scenario) -> list[floa
 
 def _number_of(scenario: Scenario, parameter: Parameter, value: float) -> Number:
     """Return a parameter of a scenario as a number with respect to which its run is differentiated."""
+    root, _, field = parameter.name.partition(".")
     return Number(
         name=parameter.name,
         scenario=scenario,
         value=value,
         change=functools.partial(_with_value, scenario, parameter.name),
+        wave_parameter=field if root == "gait" and field in GAIT_PARAMETERS else None,
     )
 
 
