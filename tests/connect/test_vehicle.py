@@ -7,13 +7,15 @@ import numpy as np
 import pytest
 
 import laticauda as lc
-from laticauda.connect.vehicle import Vehicle
+from laticauda.connect.vehicle import Vehicle, count_ranges
 from laticauda.connect.vehicle_motion import mean_rotation, rotation_vector
 from laticauda.scenarios import Command, Resumed
+from laticauda.sensing import Altimeter, Sonar, Wall
 from laticauda.values import BadArgument
 
 GAIT = lc.lateral_undulation(amplitude=0.4, frequency=4.0, phase_shift=0.7)
 INTERVAL = 0.01
+WALL = Wall(name="wall", begin=(4.0, -3.0), end=(4.0, 3.0))
 
 
 def scenario_in(kind, /, **changes):
@@ -79,6 +81,28 @@ def test_a_reset_begins_again():
     vehicle.reset()
     again = [vehicle.step(Command(gait=GAIT), INTERVAL).motion.position for _ in range(5)]
     assert np.array_equal(first, again)
+
+
+@pytest.mark.parametrize("model", ["planar", "spatial"])
+def test_sonar_and_altimeter_tell_distances_at_their_rate_and_rays_come_first(model):
+    sonar = Sonar(beams=(0.0, math.pi / 2), rate=10.0, noise=0.0)
+    scenario = scenario_in(model, motion=replace(GAIT, amplitude=0.0))
+    settings = {"sensors": (sonar, Altimeter(noise=0.0)), "places": (WALL,)}
+    if model == "spatial":
+        settings["rays"] = (0.0,)
+    vehicle = Vehicle(replace(scenario, model=replace(scenario.model, **settings)))
+    still = Command(gait=replace(GAIT, amplitude=0.0))
+    steps = [vehicle.step(still, INTERVAL) for _ in range(15)]
+    ranges = steps[-1].ranges
+    ahead = 4.0 - 0.5 * scenario.robot.length
+    assert count_ranges(vehicle.scenario.model) == len(ranges)
+    assert ranges[-3:] == pytest.approx((ahead, math.inf, math.inf), abs=0.1)
+    if model == "spatial":
+        assert ranges[0] == pytest.approx(ranges[1], abs=1e-3)
+    news = [step.readings["sonar"].is_new for step in steps]
+    assert sum(news) == 2
+    vehicle.reset()
+    assert vehicle.step(still, INTERVAL).readings["sonar"].is_new
 
 
 def test_a_record_is_a_trial_of_the_run_since_the_last_reset(tmp_path):

@@ -1,5 +1,6 @@
 """A scenario that servo outputs step: its bits, its axes, its sensors."""
 
+import json
 import math
 from dataclasses import dataclass, replace
 
@@ -10,11 +11,13 @@ import laticauda as lc
 from laticauda.models.spatial.scene import Pegs
 from laticauda.robot import Thruster
 from laticauda.scenarios import Controller, Resumed, load_scenario
+from laticauda.sensing import Sonar, Wall
 from laticauda.values import BadArgument
 from laticauda_ardupilot import Battery, Mixing, Vehicle, load_mixing
 from laticauda_ardupilot.attitude import euler_angles
 from laticauda_ardupilot.channels import Amplitude, Frequency, Offset, Thrust
 from laticauda_ardupilot.mixing import FILES
+from laticauda_ardupilot.packets import NO_RETURN, write_sensor_line
 
 RATE = 400
 N_FRAMES = 512
@@ -164,6 +167,21 @@ def test_depth_is_counted_from_the_surface_of_the_scene_and_rays_are_rangefinder
     assert reading.ranges == tuple(ranges.tolist())
 
 
+def test_sonar_gives_rangefinders_in_the_plane_too():
+    sonar = Sonar(beams=(0.0, math.pi / 2), noise=0.0)
+    wall = Wall(name="wall", begin=(3.0, -2.0), end=(3.0, 2.0))
+    scenario = planar()
+    model = replace(scenario.model, sensors=(sonar,), places=(wall,))
+    vehicle = Vehicle(replace(scenario, model=model), STEERED)
+    reading = vehicle.step((1500,) * 16, 1 / RATE)
+    ahead, left = reading.ranges
+    assert ahead == pytest.approx(3.0 - 0.5 * scenario.robot.length, abs=0.1)
+    assert left == math.inf
+    message = json.loads(write_sensor_line(reading))
+    assert message["rng_1"] == ahead
+    assert message["rng_2"] == NO_RETURN
+
+
 def test_the_battery_sees_electronics_and_joints():
     robot = replace(lc.load_robot("mamba"), electronics_power=42.0)
     battery = Battery(full_voltage=42.0, empty_voltage=40.0, resistance=0.0)
@@ -186,7 +204,10 @@ def test_the_battery_sees_electronics_and_joints():
             {"model": lc.Planar(joints=lc.Servo(), loop_delay=0.1)},
             "loop_delay.*must be 0.*got 0.1 s",
         ),
-        ({"model": lc.Spatial(rays=(0.0,) * 7)}, "rays.*must be 6 or fewer, .*got 7"),
+        (
+            {"model": lc.Spatial(rays=(0.0,) * 7)},
+            "model.*must measure 6 distances or fewer, .* together are 7",
+        ),
         ({"start": Resumed(state={"planar": (0.0,)})}, "start.*must be a start at rest"),
     ],
 )

@@ -1,7 +1,10 @@
 """A scenario that another program steps, with its own commands, and sees as a vehicle with sensors."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
+
+import numpy as np
 
 from laticauda.connect.vehicle_motion import (
     Inertial,
@@ -11,8 +14,12 @@ from laticauda.connect.vehicle_motion import (
 )
 from laticauda.connect.vehicle_record import VehicleRecord
 from laticauda.models import simulate
-from laticauda.scenarios import Command, Scenario, Spatial, Start
+from laticauda.scenarios import Command, Model, Observation, Scenario, Spatial, Start
+from laticauda.sensing import Altimeter, Reading, Sonar, senses_of
 from laticauda.values import BadArgument, Log, SimulationFailed
+
+RANGEFINDERS = (Sonar, Altimeter)
+"""Sensors whose values are distances."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,7 +31,9 @@ class VehicleStep:
     inertial: Inertial
     """Means of the inertial unit over the step."""
     ranges: tuple[float, ...]
-    """Distance along every ray of the head, infinite if nothing is hit [m]."""
+    """Distances that rangefinders tell, see `count_ranges`; infinite without an echo [m]."""
+    readings: Mapping[str, Reading]
+    """What each sensor of the model last told, by its name."""
     power: float
     """Power that joints and electronics drew, on average; thrusters draw none [W]."""
     log: Log
@@ -49,7 +58,7 @@ class Vehicle:
         self.scenario = replace(scenario, robot=self.plant.robot, model=self.plant.settings)
         """The scenario, with robot and model as they are simulated."""
         self._tracker = MotionTracker(self.scenario, of_head=of_head)
-        self._has_rays = isinstance(scenario.model, Spatial) and bool(scenario.model.rays)
+        self._needs_observation = bool(scenario.model.sensors) or count_ranges(scenario.model) > 0
         self.reset()
 
     def reset(self) -> None:
@@ -57,6 +66,7 @@ class Vehicle:
         self.state: Any = self.plant.init(self.scenario.start, Command(gait=self.scenario.gait))
         """State of the plant."""
         self._motion: VehicleMotion | None = None
+        self._senses = senses_of(self.plant.settings, self.plant.environment)
         self.record = VehicleRecord(self.scenario)
         """The run since the last reset."""
 
@@ -80,15 +90,26 @@ class Vehicle:
         before = self._motion or self._tracker.motion(log, 0)
         self._motion = self._tracker.motion(log, -1, before)
         ranges: tuple[float, ...] = ()
-        if self._has_rays:
-            ranges = tuple(self.plant.observe(self.state).ranges.tolist())
+        readings: Mapping[str, Reading] = {}
+        if self._needs_observation:
+            observation = self._observe()
+            ranges = _list_ranges(self.scenario.model, observation)
+            readings = observation.readings
         return VehicleStep(
             motion=self._motion,
             inertial=measure_inertial(before, self._motion),
             ranges=ranges,
+            readings=readings,
             power=self._drawn_power(log, duration),
             log=log,
         )
+
+    def _observe(self) -> Observation:
+        """Return the observation of the state, with what its sensors tell."""
+        observation = self.plant.observe(self.state)
+        if self._senses is None:
+            return observation
+        return observation.with_readings(self._senses.read(observation))
 
     def _drawn_power(self, log: Log, duration: float) -> float:
         """Return the power drawn in a step: by the power model, else by the joints, and by the electronics [W]."""
@@ -97,6 +118,33 @@ class Vehicle:
             work = log.work[:, 0]
         power = float(work[-1] - work[0]) / duration
         return power + (self.plant.robot.electronics_power or 0.0)
+
+
+def count_ranges(model: Model) -> int:
+    """Return how many distances are told: one per ray of the head, per beam of every sonar, per altimeter.
+
+    Args:
+        model: The model's settings.
+    """
+    n_ranges = 0
+    if isinstance(model, Spatial):
+        n_ranges += len(model.rays)
+    for sensor in model.sensors:
+        if isinstance(sensor, RANGEFINDERS):
+            n_ranges += len(sensor.columns)
+    return n_ranges
+
+
+def _list_ranges(model: Model, observation: Observation) -> tuple[float, ...]:
+    """Return all distances, in the order in which `count_ranges` counts them [m]."""
+    ranges: list[float] = []
+    if observation.ranges is not None:
+        ranges += observation.ranges.tolist()
+    for sensor in model.sensors:
+        if isinstance(sensor, RANGEFINDERS):
+            values = observation.readings[sensor.name].values
+            ranges += np.nan_to_num(values, nan=np.inf).tolist()
+    return tuple(ranges)
 
 
 def _check(scenario: Scenario) -> None:

@@ -109,18 +109,22 @@ class MotionTracker:
         """Return the poses of all modules at a sample of a log."""
         if ORIENTATION[0] in log.signals:
             quaternion = [float(log.signals[name][index]) for name in ORIENTATION]
+            tail_rotation = from_quaternion(*quaternion)
             return module_poses(
                 self._robot,
                 log.center_of_mass[index],
-                from_quaternion(*quaternion),
+                tail_rotation,
                 log.joint_angle[index],
                 ballast_depth=self._ballast_depth,
             )
         link_angle = log.link_angle[index]
-        centers = Posture(self._robot, log.center_of_mass[index], link_angle).link_centers
+        posture = Posture(self._robot, log.center_of_mass[index], link_angle)
+        centers = posture.link_centers
+        heights = np.zeros(len(centers))
+        rotations = [turn("yaw", angle) for angle in link_angle.tolist()]
         return ModulePoses(
-            position=np.column_stack((centers, np.zeros(len(centers)))),
-            rotation=np.stack([turn("yaw", angle) for angle in link_angle.tolist()]),
+            position=np.column_stack((centers, heights)),
+            rotation=np.stack(rotations),
         )
 
 
@@ -132,10 +136,12 @@ def measure_inertial(before: VehicleMotion, now: VehicleMotion) -> Inertial:
         now: Motion at its end.
     """
     duration = now.time - before.time
+    turned = before.rotation.T @ now.rotation
     acceleration = (now.velocity - before.velocity) / duration
+    felt = acceleration + FELT_AT_REST
     return Inertial(
-        angular_velocity=rotation_vector(before.rotation.T @ now.rotation) / duration,
-        specific_force=now.rotation.T @ (acceleration + FELT_AT_REST),
+        angular_velocity=rotation_vector(turned) / duration,
+        specific_force=now.rotation.T @ felt,
     )
 
 
@@ -158,18 +164,16 @@ def rotation_vector(rotation: Rotation) -> Vector:
     Args:
         rotation: The rotation.
     """
-    sines = 0.5 * np.array(
-        [
-            rotation[2, 1] - rotation[1, 2],
-            rotation[0, 2] - rotation[2, 0],
-            rotation[1, 0] - rotation[0, 1],
-        ]
-    )
+    x = rotation[2, 1] - rotation[1, 2]
+    y = rotation[0, 2] - rotation[2, 0]
+    z = rotation[1, 0] - rotation[0, 1]
+    sines = 0.5 * np.array([x, y, z])
     sine = math.sqrt(float(sines @ sines))
     if sine < SMALLEST_SINE:
         return sines
     cosine = 0.5 * (float(np.trace(rotation)) - 1.0)
-    return sines * (math.atan2(sine, cosine) / sine)
+    angle = math.atan2(sine, cosine)
+    return sines * (angle / sine)
 
 
 def _in_space(vector: np.ndarray) -> Vector:

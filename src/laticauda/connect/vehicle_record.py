@@ -35,11 +35,14 @@ class VehicleRecord:
             log: Samples at the begin and at the end of the step.
         """
         if not self._samples:
-            self._samples.append(log.at(slice(0, 1)))
+            first_sample = log.at(slice(0, 1))
+            self._samples.append(first_sample)
         time = float(log.time[-1])
-        if time < self._next_time - ROUNDING or time > LONGEST:
+        is_due = time >= self._next_time - ROUNDING
+        if not is_due or time > LONGEST:
             return
-        self._samples.append(log.at(slice(-1, None)))
+        last_sample = log.at(slice(-1, None))
+        self._samples.append(last_sample)
         self._next_time = time + INTERVAL
 
     def trial(self) -> Trial | None:

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from laticauda.connect import vehicle
-from laticauda.connect.vehicle import VehicleStep
-from laticauda.scenarios import Command, Scenario, Spatial
+from laticauda.connect.vehicle import VehicleStep, count_ranges
+from laticauda.scenarios import Command, Scenario
 from laticauda.values import BadArgument, to_quaternion
 from laticauda_ardupilot.attitude import euler_angles, flip_rotation, flip_vector
 from laticauda_ardupilot.battery import Discharge
@@ -26,11 +26,13 @@ class Vehicle:
     """
 
     def __init__(self, scenario: Scenario, mixing: Mixing) -> None:
-        model = scenario.model
-        if isinstance(model, Spatial) and len(model.rays) > MOST_RANGES:
-            rule = f"must be {MOST_RANGES} or fewer, as ArduPilot has rangefinders"
-            raise BadArgument("model.rays", f"{rule}; got {len(model.rays)}")
-        mixing.check(scenario.robot, model)
+        n_ranges = count_ranges(scenario.model)
+        if n_ranges > MOST_RANGES:
+            rule = f"must measure {MOST_RANGES} distances or fewer, as ArduPilot has rangefinders"
+            raise BadArgument(
+                "model", f"{rule}; rays, beams and altimeters together are {n_ranges}"
+            )
+        mixing.check(scenario.robot, scenario.model)
         self.robot = vehicle.Vehicle(scenario, of_head=mixing.attitude == "head")
         """What is stepped."""
         self._mixing = mixing

@@ -135,16 +135,16 @@ def pressure(step: VehicleStep, density: float) -> Any:
     )
 
 
-def distance(step: VehicleStep, robot: Robot, ray: int, *, has_variance: bool) -> Any:
-    """`Range` of one ray of the head.
+def distance(step: VehicleStep, robot: Robot, number: int, *, has_variance: bool) -> Any:
+    """`Range` of one rangefinder of the head.
 
     Args:
         step: The step.
         robot: The robot.
-        ray: Its number.
+        number: Its number.
         has_variance: Whether the message has a variance, as from Iron on.
     """
-    measured = step.ranges[ray]
+    measured = step.ranges[number]
     if measured > LARGEST_RANGE:
         measured = math.inf
     fields: dict[str, Any] = {

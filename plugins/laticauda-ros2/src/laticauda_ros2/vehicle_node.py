@@ -5,7 +5,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from laticauda.connect.vehicle import Vehicle, VehicleStep
+from laticauda.connect.vehicle import Vehicle, VehicleStep, count_ranges
 from laticauda.connect.vehicle_record import VehicleRecord
 from laticauda.robot import Water
 from laticauda.scenarios import Command, Scenario
@@ -91,7 +91,7 @@ class VehicleNode:
         self._twist_at = -math.inf
         self._has_references = False
         self._joint_names = reports.joint_names(self._robot)
-        self._rays = range(len(getattr(scenario.model, "rays", ())))
+        self._ranges = range(count_ranges(scenario.model))
         self.n_refused = 0
         """How many messages made no sense."""
         self._node = Node(domain)
@@ -110,8 +110,8 @@ class VehicleNode:
             PRESSURE: messages.FluidPressure,
         }
         kind_of_range = messages.RangeOfHumble if self._is_humble else messages.Range
-        for ray in self._rays:
-            tells[RANGE.format(ray)] = kind_of_range
+        for number in self._ranges:
+            tells[RANGE.format(number)] = kind_of_range
         for name, kind in hears.items():
             self._node.read(self._topic(name), kind)
         for name, kind in tells.items():
@@ -126,7 +126,7 @@ class VehicleNode:
     def topics(self) -> tuple[str, ...]:
         """Topics that it hears, then those that it tells."""
         names = [TWIST, GOALS, RESET, STATES, ODOMETRY, IMU, PRESSURE]
-        names += [RANGE.format(ray) for ray in self._rays]
+        names += [RANGE.format(number) for number in self._ranges]
         return (*(self._topic(name) for name in names), TRANSFORMS, CLOCK)
 
     @property
@@ -217,6 +217,6 @@ class VehicleNode:
         environment = self._vehicle.scenario.environment
         if isinstance(environment, Water):
             say(self._topic(PRESSURE), reports.pressure(step, environment.density))
-        for ray in self._rays:
-            message = reports.distance(step, self._robot, ray, has_variance=not self._is_humble)
-            say(self._topic(RANGE.format(ray)), message)
+        for number in self._ranges:
+            message = reports.distance(step, self._robot, number, has_variance=not self._is_humble)
+            say(self._topic(RANGE.format(number)), message)
