@@ -283,10 +283,13 @@ def test_a_file_that_is_no_trial_says_what_is_wrong(cockpit, name, message):
 
 def test_forces_failure_and_reset_are_shown(cockpit):
     live = cockpit.live
+    cockpit.frame()
+    assert "largest load of a joint" not in cockpit._figures.content
     live.link_forces = True
     live.advance(0.2)
     for _ in range(12):
         cockpit.frame()
+    assert "largest load of a joint" in cockpit._figures.content
     assert cockpit._scene._forces.arrows.points.shape == (9, 2, 3)
     assert cockpit._scene._forces.frame.visible
     assert "speed in the tank" in cockpit._figures.content

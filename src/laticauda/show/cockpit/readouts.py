@@ -117,6 +117,7 @@ RATIO = NumberFormat("", 2)
 DISTANCE = NumberFormat("m", 3)
 DEPTH = NumberFormat("m", 2)
 ANGLE = NumberFormat("deg", 1)
+LOAD = "{:.1f} N, {:.2f} N m"
 UNAVAILABLE = "not available"
 
 
@@ -139,6 +140,7 @@ def format_figures(live: Live) -> str:
         "cross-track error": DISTANCE.format(figures["cross_track_error"]),
         "heading": ANGLE.format(math.degrees(figures["heading"])),
         **_format_tilt(read_tilt(latest)),
+        **_format_joint_loads(latest),
     }
     lines = [f"| since the last change | {figures['time']:.1f} s |", "|:--|--:|"]
     lines += [f"| {name} | **{value}** |" for name, value in rows.items()]
@@ -154,6 +156,15 @@ def _format_speed_through_water(speed: float) -> dict[str, str]:
     if not math.isfinite(speed):
         return {}
     return {"through the water": VELOCITY.format(speed)}
+
+
+def _format_joint_loads(sample: Log) -> dict[str, str]:
+    """Return the largest force and moment that a joint carries; nothing unless forces are shown."""
+    if sample.joint_force is None or sample.joint_moment is None or sample.joint_force.size == 0:
+        return {}
+    force = np.max(np.linalg.norm(sample.joint_force, axis=1))
+    moment = np.max(np.linalg.norm(sample.joint_moment, axis=1))
+    return {"largest load of a joint": LOAD.format(force, moment)}
 
 
 def _format_tilt(tilt: dict[str, float]) -> dict[str, str]:
