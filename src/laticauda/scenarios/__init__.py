@@ -26,7 +26,6 @@ if TYPE_CHECKING:
         build_scenario as build_scenario,
         model_of as model_of,
     )
-    from laticauda.scenarios.body_loads import BodyLoads as BodyLoads
     from laticauda.scenarios.choice import (
         Choice as Choice,
         Chosen as Chosen,
@@ -109,7 +108,6 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "build_scenario",
             "model_of",
         ],
-        "laticauda.scenarios.body_loads": ["BodyLoads"],
         "laticauda.scenarios.choice": ["Choice", "Chosen"],
         "laticauda.scenarios.plausibility": ["Doubt", "judge_scenario", "limit_case"],
         "laticauda.scenarios.scenario": [

@@ -3,8 +3,7 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar, Generic, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 from jaxtyping import Float
@@ -12,8 +11,7 @@ from jaxtyping import Float
 from laticauda.motion.gaits import STRAIGHT, Gait
 from laticauda.motion.joints import JointLaw
 from laticauda.robot import Robot
-from laticauda.scenarios.body_loads import BodyLoads
-from laticauda.sensing import Observed, Reading
+from laticauda.sensing import EVALUATE_LOADS, BodyLoads, Observed, Reading
 from laticauda.values import (
     BadArgument,
     Extensible,
@@ -198,29 +196,13 @@ class Observation(Observed):
     readings: Mapping[str, Reading] = field(default_factory=dict[str, Reading])
     """What each sensor of the model last told, by its name."""
 
-    _evaluate_loads: ClassVar[Callable[[], BodyLoads] | None] = None
-    """What a plant sets of an observation whose loads can be computed (`with_loads`)."""
-
-    @cached_property
-    def loads(self) -> BodyLoads:
-        """What links and joints bear at this instant, under the command that acted until now.
-
-        Computed when it is first asked for; what does not ask pays nothing.
-
-        Raises:
-            ValueError: If the observation is not that of a model.
-        """
-        if self._evaluate_loads is None:
-            raise ValueError("`loads` are known to models only: this observation is not of one.")
-        return self._evaluate_loads()
-
     def with_loads(self, evaluate: Callable[[], BodyLoads]) -> "Observation":
         """Return the same observation with loads.
 
         Args:
             evaluate: Computes them.
         """
-        return self._copy_with("_evaluate_loads", evaluate)
+        return self._copy_with(EVALUATE_LOADS, evaluate)
 
     def with_readings(self, readings: Mapping[str, Reading]) -> "Observation":
         """Return the same observation with readings of sensors.

@@ -1,6 +1,7 @@
 """Sensing: what is in the water around a robot, and what the robot measures of it and of itself.
 
-observed.py  what is true of a robot at one moment, and what sensors tell
+observed.py    what is true of a robot at one moment, and what sensors tell
+body_loads.py  what its links and joints bear at that moment
 
 places       nets, pipelines, walls, docks, buoys: what sonar sees and a robot can touch
 sensors      what a robot measures, with noise, rate, latency, losses and faults
@@ -11,10 +12,12 @@ from typing import TYPE_CHECKING
 from laticauda.values import lazy_exports
 
 if TYPE_CHECKING:
+    from laticauda.sensing.body_loads import BodyLoads as BodyLoads
     from laticauda.sensing.observed import (
         HeadMotion as HeadMotion,
         Observed as Observed,
         Reading as Reading,
+        EVALUATE_LOADS as EVALUATE_LOADS,
     )
     from laticauda.sensing.places import (
         Buoy as Buoy,
@@ -36,10 +39,12 @@ if TYPE_CHECKING:
         DepthGauge as DepthGauge,
         DopplerVelocity as DopplerVelocity,
         InertialUnit as InertialUnit,
+        PressureSensor as PressureSensor,
         Sensor as Sensor,
         SensorFault as SensorFault,
         Sight as Sight,
         Sonar as Sonar,
+        StrainGauge as StrainGauge,
         Senses as Senses,
         senses_of as senses_of,
         signals_of_readings as signals_of_readings,
@@ -48,6 +53,7 @@ if TYPE_CHECKING:
 __getattr__, __dir__, __all__ = lazy_exports(
     __name__,
     {
+        "laticauda.sensing.body_loads": ["BodyLoads"],
         "laticauda.sensing.observed": [
             "HeadMotion",
             "Observed",
@@ -72,14 +78,17 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "DepthGauge",
             "DopplerVelocity",
             "InertialUnit",
+            "PressureSensor",
             "Sensor",
             "SensorFault",
             "Sight",
             "Sonar",
+            "StrainGauge",
             "Senses",
         ],
     },
     plain={
+        "laticauda.sensing.observed": ["EVALUATE_LOADS"],
         "laticauda.sensing.places": ["surroundings_of"],
         "laticauda.sensing.sensors": ["senses_of", "signals_of_readings"],
     },

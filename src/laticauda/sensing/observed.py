@@ -1,9 +1,16 @@
 """What is true of a robot at one moment, as sensors see it, and what they tell."""
 
+from collections.abc import Callable
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
+
+from laticauda.sensing.body_loads import BodyLoads
+
+EVALUATE_LOADS = "_evaluate_loads"
+"""Attribute by which a plant gives an observation what computes its loads (`Observation.with_loads`)."""
 
 
 class Reading(NamedTuple):
@@ -48,3 +55,17 @@ class Observed:
             NotImplementedError: If no plant made this observation.
         """
         raise NotImplementedError
+
+    @cached_property
+    def loads(self) -> BodyLoads:
+        """What links and joints bear at this instant, under the command that acted until now.
+
+        Computed when it is first asked for; what does not ask pays nothing.
+
+        Raises:
+            ValueError: If the observation is not that of a model.
+        """
+        evaluate: Callable[[], BodyLoads] | None = vars(self).get(EVALUATE_LOADS)
+        if evaluate is None:
+            raise ValueError("`loads` are known to models only: this observation is not of one.")
+        return evaluate()

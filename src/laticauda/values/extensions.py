@@ -86,7 +86,9 @@ HOMES: Mapping[str, Mapping[str, str]] = {
         "depth-gauge": "laticauda.sensing.sensors.navigation",
         "doppler-velocity": "laticauda.sensing.sensors.navigation",
         "inertial-unit": "laticauda.sensing.sensors.navigation",
+        "pressure-sensor": "laticauda.sensing.sensors.loads",
         "sonar": "laticauda.sensing.sensors.sonar",
+        "strain-gauge": "laticauda.sensing.sensors.loads",
     },
     "scenes": {
         "pegs": "laticauda.models.spatial.scene",

@@ -26,7 +26,6 @@ from laticauda.motion.joints import JointLaw
 from laticauda.robot import Environment, Robot, check_fits, has_power_model
 from laticauda.scenarios import (
     EFFECTORS,
-    BodyLoads,
     Command,
     Model,
     Observation,
@@ -34,6 +33,7 @@ from laticauda.scenarios import (
     check_waves,
     fin_signals,
 )
+from laticauda.sensing import BodyLoads
 from laticauda.trials import side_areas
 from laticauda.values import REQUESTED_SERIES, BadArgument, Log, check_instance, check_positive
 

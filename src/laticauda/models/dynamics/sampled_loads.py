@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.scenarios import BodyLoads
+from laticauda.sensing import BodyLoads
 from laticauda.values import DIRECTIONS
 
 FORCES = ("drag", "added_mass", "effector")

@@ -20,8 +20,8 @@ from laticauda.models.planar.sample_format import column_of, columns_of_joints
 from laticauda.motion import gaits
 from laticauda.motion.joints import JointLaw
 from laticauda.robot import Coefficients, has_power_model, law_of, link_coefficients, move_head
-from laticauda.scenarios import BodyLoads, Command, Observation, Planar, Start
-from laticauda.sensing import HeadMotion, Reading
+from laticauda.scenarios import Command, Observation, Planar, Start
+from laticauda.sensing import BodyLoads, HeadMotion, Reading
 from laticauda.values import BadArgument, Formula, check_instance
 from laticauda.water.fluid import DragLaw, PolynomialDrag, flow as flows
 

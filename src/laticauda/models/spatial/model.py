@@ -20,14 +20,13 @@ from laticauda.models.spatial.twin import KernelInputs, Twin
 from laticauda.robot import Ground, Scene, Water, has_power_model, to_quaternion, turn
 from laticauda.scenarios import (
     ORIENTATION,
-    BodyLoads,
     Command,
     Observation,
     Spatial,
     Start,
     check_waves,
 )
-from laticauda.sensing import HeadMotion
+from laticauda.sensing import BodyLoads, HeadMotion
 from laticauda.values import BadArgument, check_instance
 from laticauda.water import mujoco as water
 from laticauda.water.fluid import Flow

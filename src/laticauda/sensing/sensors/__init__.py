@@ -4,11 +4,16 @@ sensor.py      what a sensor is, and how the sensors of one robot are read
 sonar.py       distances to places: a forward-looking fan, an altimeter
 navigation.py  where the robot is and how it moves
 condition.py   what it touches, what is left in its battery
+loads.py       what its joints and the sides of its links bear
 """
 
 from laticauda.sensing.sensors.condition import (
     BatteryGauge as BatteryGauge,
     ContactSensor as ContactSensor,
+)
+from laticauda.sensing.sensors.loads import (
+    PressureSensor as PressureSensor,
+    StrainGauge as StrainGauge,
 )
 from laticauda.sensing.sensors.navigation import (
     AcousticPosition as AcousticPosition,
