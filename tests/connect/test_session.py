@@ -1,7 +1,7 @@
 import json
 import threading
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -14,6 +14,7 @@ from laticauda.models.simulate import build_plant
 from laticauda.motion.gaits.gait import FIRST_GAIT
 from laticauda.robot import Current, Thruster
 from laticauda.scenarios.interfaces import Command, Start
+from laticauda.sensing import Compass, Net, Sonar
 from laticauda.values.codec import decode, encode
 from laticauda.water.fluid.laws import PolynomialDrag
 
@@ -35,8 +36,10 @@ def test_steps_are_those_of_the_plant_bit_for_bit(ask):
     for offset in (0.0, 0.1, 0.2):
         state = body.step(state, Command(gait=FIRST_GAIT, offset=offset), 0.05)
         seen = ask("step", duration=0.05, offset=offset)["observation"]
-        for name, value in vars(body.observe(state)).items():
-            np.testing.assert_array_equal(seen[name], value, err_msg=name)
+        expected = body.observe(state)
+        for field in fields(expected):
+            value = getattr(expected, field.name)
+            np.testing.assert_array_equal(seen[field.name], value, err_msg=field.name)
 
 
 def test_a_run_has_the_figures_and_the_series_of_swim(ask):
@@ -45,6 +48,37 @@ def test_a_run_has_the_figures_and_the_series_of_swim(ask):
     assert reply["figures"] == trial.summary()
     assert set(reply["series"]) == {"time", "joint_torque"}  # prescribed joints have no power model
     np.testing.assert_array_equal(reply["series"]["joint_torque"], trial.joint_torque)
+
+
+def test_sensors_of_a_world_tell_what_they_tell_in_python(ask):
+    places = [{"kind": "net", "name": "pen", "center": [4.0, 0.0], "radius": 1.6}]
+    sensors = [{"kind": "sonar", "beams_deg": [-30, 0, 30]}, {"kind": "compass", "latency": 0.2}]
+    begin = ask("reset", joints="servo", sensors=sensors, places=places)["observation"]
+    assert begin["readings"]["compass"] == {"time": None, "values": [None], "is_new": False}
+    for _ in range(4):
+        seen = ask("step", duration=0.1)["observation"]
+    trial = lc.swim(
+        "mamba",
+        lc.OpenLoop(command=Command(gait=FIRST_GAIT), interval=0.1),
+        0.5,
+        joints="servo",
+        sensors=(Sonar(beams_deg=(-30, 0, 30)), Compass(latency=0.2)),
+        places=(Net(name="pen", center=(4.0, 0.0), radius=1.6),),
+    )
+    assert seen["readings"]["compass"]["time"] == pytest.approx(0.2)
+    assert seen["readings"]["compass"]["values"][0] == trial.signals["compass_heading"][-1]
+    ranges = [trial.signals[f"sonar_range_{k}"][-1] for k in range(3)]
+    without_nan = [None if np.isnan(distance) else distance for distance in ranges]
+    assert seen["readings"]["sonar"]["values"] == without_nan
+    assert ask("get")["observation"]["readings"] == seen["readings"]
+
+
+def test_two_sensors_of_one_name_are_refused_and_nothing_changes(ask):
+    ask("reset")
+    sensors = [{"kind": "compass"}, {"kind": "compass"}]
+    reply = ask("reset", sensors=sensors)
+    assert "must have different names, got `compass` twice" in reply["error"]
+    assert ask("get")["observation"]["readings"] == {}
 
 
 def test_what_a_message_leaves_out_stays_as_it_is(ask):

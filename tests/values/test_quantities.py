@@ -14,6 +14,7 @@ from hypothesis import assume, given, strategies as st
 
 import laticauda
 from laticauda.robot import Actuator, CaudalFin, Section, Water, load_water
+from laticauda.sensing import Compass, Sonar
 from laticauda.tank.lab.settings import LabSettings, NodeSettings
 from laticauda.values.checks import check_label
 from laticauda.values.declared_quantities import SMALLEST
@@ -79,6 +80,7 @@ ENDLESS = {
     ("PlanLimits", "power_limit"): "the same",
     ("OpenLoop", "interval"): "asked once",
     ("Fault", "duration"): "to the end",
+    ("SensorFault", "end"): "a fault may last",
     ("Waves", "depth"): "deep water",
     ("Sea", "depth"): "deep water",
     ("Limits", "max_voltage"): "whatever the supply gives",
@@ -305,3 +307,11 @@ def test_help_lists_every_field_with_its_unit_range_and_default():
     assert Leg.__doc__.startswith("A leg.\n\nFields:\n")
     assert "    turn: Of the foot [rad], between -1 and 1; default 0.0.\n" in Leg.__doc__
     assert all(f"    {name}: " in Leg.__doc__ for name in hints_of(Leg))
+
+
+def test_each_of_several_angles_may_be_given_in_degrees():
+    assert Sonar(beams_deg=(-30, 0, 30)).beams == pytest.approx((-math.pi / 6, 0.0, math.pi / 6))
+    with pytest.raises(ValueError, match=r"`beams_deg\[1\]` must be a number in deg, got 'ahead'"):
+        Sonar(beams_deg=(-30, "ahead", 30))
+    with pytest.raises(ValueError, match=r"`bias_deg` must be a number in deg, got \(1, 2\)"):
+        Compass(bias_deg=(1, 2))

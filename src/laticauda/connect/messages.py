@@ -21,7 +21,7 @@ COMMAND_FIELDS = ("gait", "offset", "pitch_offset", *LIST_FIELDS, "current")
 """Fields that `step` and `set` change."""
 CHOICE_FIELDS = tuple(scenarios.Choice.__dataclass_fields__)
 """Fields that name robot, water and so on."""
-MODEL_FIELDS = ("joints", "dt", "ramp", "offset_bandwidth", "root")
+MODEL_FIELDS = ("joints", "dt", "ramp", "offset_bandwidth", "root", "sensors", "places")
 """Fields of the model that a message may change."""
 START_FIELDS = ("center_of_mass", "heading", "depth", "pitch", "roll")
 """Fields of the initial state."""

@@ -4,6 +4,7 @@ The schema gives the type, unit and range of each field, but not which fields ar
 server may reject a message that conforms to the schema, and rejects every message that does not.
 """
 
+import dataclasses
 import types
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal, TypeAlias, Union, get_args, get_origin, get_type_hints
@@ -40,6 +41,17 @@ DECLARING_CLASSES = (
     scenarios.Choice,
 )
 """Classes whose fields are top-level fields of a message; for a repeated name, the later class takes precedence."""
+READING: Schema = {
+    "type": "object",
+    "properties": {
+        "time": {"type": ["number", "null"], "description": "When it was measured [s]"},
+        "values": NUMBERS,
+        "is_new": {"type": "boolean", "description": "Whether it arrived at this instant"},
+    },
+    "required": ["time", "values", "is_new"],
+    "additionalProperties": False,
+}
+"""What a sensor told last; null where there is nothing to tell."""
 WARNINGS: Schema = {
     "type": "array",
     "items": TEXT,
@@ -128,7 +140,10 @@ def _answer_schemas() -> dict[str, Schema]:
 
 def _observation_schema() -> Schema:
     hints = get_type_hints(Observation)
-    fields = {name: _observed_schema(hint) for name, hint in hints.items()}
+    fields: dict[str, Schema] = {}
+    for field in dataclasses.fields(Observation):
+        fields[field.name] = _observed_schema(hints[field.name])
+    fields["readings"] = {"type": "object", "additionalProperties": READING}
     return _object_schema(fields, required=[*fields])
 
 

@@ -1,6 +1,7 @@
 """Session of one client: one answer line per request line, and the client's world; independent of sockets."""
 
 import dataclasses
+import math
 import sys
 import traceback
 import warnings
@@ -17,6 +18,7 @@ from laticauda.connect.messages import Message
 from laticauda.connect.world import World, change_world, check_work, create_world, step_world
 from laticauda.models import simulate
 from laticauda.robot import Current, Robot, Water
+from laticauda.sensing import Reading
 from laticauda.values import (
     REQUESTED_SERIES,
     SERIES,
@@ -181,15 +183,33 @@ def _read_names(value: object) -> list[str]:
 def _describe_state(world: World) -> dict[str, Any]:
     """Return the observation of a world's robot, and the loads of the last sample."""
     observation = world.plant.observe(world.state)
-    fields = dataclasses.fields(observation)
-    state: dict[str, Any] = {
-        "observation": {field.name: getattr(observation, field.name) for field in fields}
+    names = [field.name for field in dataclasses.fields(observation)]
+    observed = {name: getattr(observation, name) for name in names}
+    observed["readings"] = {
+        name: _describe_reading(reading) for name, reading in world.readings.items()
     }
+    state: dict[str, Any] = {"observation": observed}
     last_sample = world.log.last
     for name in messages.LOAD_FIELDS:
         if name in last_sample:
             state[name] = last_sample[name]
     return state
+
+
+def _describe_reading(reading: Reading) -> dict[str, Any]:
+    """Return what a sensor told, with null for what it did not."""
+    return {
+        "time": _number_or_null(reading.time),
+        "values": [_number_or_null(number) for number in reading.values.tolist()],
+        "is_new": reading.is_new,
+    }
+
+
+def _number_or_null(number: float) -> float | None:
+    """Return a number that JSON can write; None if it is not finite."""
+    if math.isfinite(number):
+        return number
+    return None
 
 
 def _describe_command(world: World) -> dict[str, Any]:

@@ -4,6 +4,7 @@ Each change creates a new world, so that a rejected request changes nothing; onl
 extended in place.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, cast
 
@@ -15,6 +16,7 @@ from laticauda.connect.messages import Message
 from laticauda.models import simulate
 from laticauda.robot import Water
 from laticauda.scenarios import check_plausible
+from laticauda.sensing import Reading, Senses, senses_of
 from laticauda.values import BadArgument, Log, check_positive, check_within
 
 MOST_WORK = 20_000_000
@@ -41,6 +43,10 @@ class World:
     """Samples since the world was created."""
     budget: Budget
     """Memory limits."""
+    senses: Senses | None
+    """Sensors of the robot, if it has any; like the log, they go on in place."""
+    readings: Mapping[str, Reading]
+    """What each sensor told last."""
     broken: str | None = None
     """Why the world cannot be stepped any further; None if it can."""
 
@@ -63,12 +69,16 @@ def create_world(scenario: lc.Scenario, budget: Budget) -> World:
     budget.check_current(scenario)
     plant = simulate.build_plant(scenario)
     command = cast(lc.OpenLoop, scenario.motion).command
+    state = plant.init(cast(lc.Start, scenario.start), command)
+    senses = senses_of(plant.settings, plant.environment)
     world = World(
         scenario=scenario,
         plant=plant,
-        state=plant.init(cast(lc.Start, scenario.start), command),
+        state=state,
         log=History(budget.max_logged),
         budget=budget,
+        senses=senses,
+        readings=_read_sensors(senses, plant, state),
     )
     log = _try_command(world)
     world.log.append(log.at(slice(1)))
@@ -122,7 +132,14 @@ def step_world(world: World, duration: float) -> World:
         if failure is not None:
             return replace(world, broken=failure)
         world.log.append(log.at(slice(1, None)))
-    return replace(world, state=state)
+    return replace(world, state=state, readings=_read_sensors(world.senses, world.plant, state))
+
+
+def _read_sensors(senses: Senses | None, plant: lc.Plant[Any], state: Any) -> Mapping[str, Reading]:
+    """Return what each sensor tells now."""
+    if senses is None:
+        return {}
+    return senses.read(plant.observe(state))
 
 
 def check_work(world: World, duration: float, sample_interval: float) -> int:

@@ -21,6 +21,8 @@ from laticauda.values import (
     value_class,
 )
 
+MOST_NAMED = 100
+"""Sensors, and places, at most."""
 NO_FILTER = 1e6
 """Bandwidth of a reference generator whose filters pass everything at once [rad/s]."""
 
@@ -33,8 +35,10 @@ def check_names(argument: str, named: Sequence[Sensor] | Sequence[Place]) -> Non
         named: They.
 
     Raises:
-        ValueError: If two of them have the same name.
+        ValueError: If two of them have the same name, or there are very many.
     """
+    if len(named) > MOST_NAMED:
+        raise BadArgument(argument, f"must be at most {MOST_NAMED}, got {len(named)} of them")
     names = [part.name for part in named]
     for name in names:
         if names.count(name) > 1:

@@ -6,8 +6,8 @@ name of its own: `Field.argument_units` says which.
 
 import functools
 import types
-from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple, ParamSpec, TypeVar
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple, ParamSpec, TypeVar, cast
 
 from laticauda.values.checks import show_value, suggest_nearest
 from laticauda.values.declared_fields import Field, fields_of
@@ -65,11 +65,19 @@ def in_si_units(kind: type, arguments: dict[str, Any]) -> dict[str, Any]:
     return converted
 
 
-def _in_si_unit(argument: _ArgumentUnit, name: str, number: Any) -> float | None:
+def _in_si_unit(argument: _ArgumentUnit, name: str, number: Any) -> Any:
+    """Return a number, or each of several, in the unit of calculations; None stays None."""
     quantity = argument.field.quantity
     if number is None or quantity is None:
         return None
-    return argument.unit.to_si(quantity.in_unit(argument.unit).checked(name, number))
+    quantity_in_unit = quantity.in_unit(argument.unit)
+    if argument.field.annotation.tuples and isinstance(number, list | tuple):
+        numbers = cast("Sequence[Any]", number)
+        checked_numbers = [
+            quantity_in_unit.checked(f"{name}[{k}]", each) for k, each in enumerate(numbers)
+        ]
+        return tuple(argument.unit.to_si(each) for each in checked_numbers)
+    return argument.unit.to_si(quantity_in_unit.checked(name, number))
 
 
 def _refuse_both(kind: type, *names: str) -> None:

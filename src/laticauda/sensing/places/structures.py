@@ -47,7 +47,7 @@ class Net(Place):
     center: tuple[float, float] = quantity("m", "x and y of its middle", default=(0.0, 0.0))
     radius: float = quantity("m", "Radius of the circle through its corners", gt=0.0)
     depth: float = quantity("m", "How far it reaches down", gt=0.0, default=3.0)
-    panels: int = quantity("", "Number of its panels", ge=3, default=24)
+    panels: int = quantity("", "Number of its panels", ge=3, le=360, default=24)
 
     @property
     def corners(self) -> tuple[tuple[float, float], ...]:

@@ -7,8 +7,10 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.sensing.sensors.sensor import Sensor, Sight
-from laticauda.values import option, quantity, value_class
+from laticauda.values import BadArgument, option, quantity, value_class
 
+MOST_BEAMS = 361
+"""Beams of a sonar at most."""
 N_RAYS_PER_BEAM = 3
 """Rays across the width of a beam; the nearest echo counts."""
 DOWNWARD = np.array([(0.0, 0.0, -1.0)])
@@ -43,6 +45,12 @@ class Sonar(Sensor):
         default=math.radians(20.0),
     )
     noise: float = quantity("m", "Standard deviation of a distance", ge=0.0, default=0.02)
+
+    def __post_init__(self) -> None:
+        """Reject a fan without beams, or with very many."""
+        if not 1 <= len(self.beams) <= MOST_BEAMS:
+            rule = f"must have 1 to {MOST_BEAMS} directions"
+            raise BadArgument("beams", f"{rule}, got {len(self.beams)}")
 
     @property
     def columns(self) -> tuple[str, ...]:
