@@ -79,8 +79,8 @@ def test_the_zero_of_a_gauge_is_the_same_in_every_run_of_a_seed():
 
 
 def test_sensors_show_no_more_than_their_largest_value():
-    gauge = replace(EXACT_GAUGE, largest_force=1.0, largest_moment=0.1)
-    trial = swim(gauge, replace(EXACT_SKIN, largest=20.0))
+    gauge = replace(EXACT_GAUGE, force_limit=1.0, moment_limit=0.1)
+    trial = swim(gauge, replace(EXACT_SKIN, limit=20.0))
     assert np.abs(trial.joint_force[:, 5]).max() > 2.0
     assert np.abs(trial.signals["load_force_left_5"]).max() == 1.0
     assert np.abs(trial.signals["load_moment_up_5"]).max() == 0.1

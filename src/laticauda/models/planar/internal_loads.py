@@ -59,6 +59,8 @@ def compute_loads(
         mass: Mass of the whole robot [kg].
     """
     n_samples = len(samples)
+    tail = layout.tail_link
+    loads = SampledLoads.zeros(n_samples=n_samples, n_links=layout.n_bodies - tail, n_axes=2)
     force = np.empty((n_samples, len(FORCES), layout.n_bodies, 2, 1))
     records = layout.bodies_of(S)
     read = np.empty((n_samples, layout.n_bodies, len(READ)))
@@ -68,20 +70,17 @@ def compute_loads(
         read[k] = records[:, READ]
     bodies = _Bodies(read)
     by_kind = np.moveaxis(force[..., 0], 1, 0)
-    tail = layout.tail_link
-    loads = SampledLoads.zeros(n_samples=n_samples, n_links=layout.n_bodies - tail, n_axes=2)
-    loads.joint_force[:, :, :2] = _joint_forces(bodies, by_kind.sum(axis=0), records, mass)[
-        :, tail:
-    ]
-    loads.joint_moment[:, :, MOMENT_UP] = _joint_moments(bodies)[:, tail:]
+    whole_force = by_kind.sum(axis=0)
+    joint_force = _joint_forces(bodies, whole_force, records, mass)
+    loads.joint_force[:, :, :2] = joint_force[:, tail:]
+    joint_moment = _joint_moments(bodies)
+    loads.joint_moment[:, :, MOMENT_UP] = joint_moment[:, tail:]
     # Fin bodies belong to the tail link.
     by_kind[:, :, tail] += by_kind[:, :, :tail].sum(axis=2)
-    of_links = by_kind[:, :, tail:]
-    of_water = of_links[FORCES_OF_WATER].sum(axis=0)
-    c = bodies[rows.COS][:, tail:]
-    s = bodies[rows.SIN][:, tail:]
-    loads.water_force[:, :, :2] = _in_axes(c, s, x=of_water[:, :, 0], y=of_water[:, :, 1])
-    return loads._replace(link_force=of_links)
+    of_water = by_kind[FORCES_OF_WATER].sum(axis=0)
+    water_force = _in_axes(bodies, x=of_water[:, :, 0], y=of_water[:, :, 1])
+    loads.water_force[:, :, :2] = water_force[:, tail:]
+    return loads._replace(link_force=by_kind[:, :, tail:])
 
 
 def _joint_forces(
@@ -97,26 +96,34 @@ def _joint_forces(
     arm = mass * records[:, rows.FIRST_MOMENT_SHARE]
     across = arm * bodies[rows.LINK_ACCELERATION]
     along = arm * bodies[rows.LINK_RATE] ** 2
-    unbalanced_x = force[:, :, 0] - m * bodies[rows.QX] + across * s + along * c
-    unbalanced_y = force[:, :, 1] - m * bodies[rows.QY] - across * c + along * s
-    x = np.cumsum(unbalanced_x, axis=1)
-    y = np.cumsum(unbalanced_y, axis=1)
-    return _in_axes(c, s, x=x, y=y)[:, :-1]
+    # Mass times acceleration of each body's center of mass.
+    needed_x = m * bodies[rows.QX] - across * s - along * c
+    needed_y = m * bodies[rows.QY] + across * c - along * s
+    unused_x = force[:, :, 0] - needed_x
+    unused_y = force[:, :, 1] - needed_y
+    x = np.cumsum(unused_x, axis=1)
+    y = np.cumsum(unused_y, axis=1)
+    in_axes = _in_axes(bodies, x=x, y=y)
+    return in_axes[:, :-1]
 
 
 def _in_axes(
-    c: np.ndarray, s: np.ndarray, *, x: np.ndarray, y: np.ndarray
+    bodies: _Bodies,
+    *,
+    x: Float[np.ndarray, "n_samples n_bodies"],
+    y: Float[np.ndarray, "n_samples n_bodies"],
 ) -> Float[np.ndarray, "n_samples n_bodies 2"]:
-    """Return vectors along and to the left of bodies, from those in world axes and the bodies' directions."""
-    return np.stack((c * x + s * y, c * y - s * x), axis=2)
+    """Return vectors along bodies and to their left, from those in world axes."""
+    c = bodies[rows.COS]
+    s = bodies[rows.SIN]
+    along = c * x + s * y
+    left = c * y - s * x
+    return np.stack((along, left), axis=2)
 
 
 def _joint_moments(bodies: _Bodies) -> Float[np.ndarray, "n_samples n_joints"]:
     """Return the moment about the vertical in the joint at the tail end of every body but the first [N m]."""
-    moment = (
-        bodies[rows.A00] * bodies[rows.LINK_ACCELERATION]
-        + bodies[rows.A01] * bodies[rows.QX]
-        + bodies[rows.A02] * bodies[rows.QY]
-        + bodies[rows.P0]
-    )
+    moment = bodies[rows.A00] * bodies[rows.LINK_ACCELERATION] + bodies[rows.P0]
+    moment += bodies[rows.A01] * bodies[rows.QX]
+    moment += bodies[rows.A02] * bodies[rows.QY]
     return moment[:, 1:]

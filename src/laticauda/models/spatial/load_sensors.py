@@ -48,14 +48,26 @@ class LoadSensors:
             data: A `mujoco.MjData` after `mj_forward`.
             of_water: Forces of the water on the modules, world axes [N].
         """
-        from_site = data.site_xmat[self._sites].reshape(-1, N_AXES, N_AXES)
-        to_module = np.swapaxes(data.xmat[self._bodies].reshape(-1, N_AXES, N_AXES), 1, 2)
+        from_site = _rotations(data.site_xmat[self._sites])
+        to_module = np.swapaxes(_rotations(data.xmat[self._bodies]), 1, 2)
         turn = to_module[:-1] @ from_site
         return SensedLoads(
-            joint_force=np.einsum("jab,jb->ja", turn, data.sensordata[self._forces]),
-            joint_moment=np.einsum("jab,jb->ja", turn, data.sensordata[self._torques]),
-            water_force=np.einsum("jab,jb->ja", to_module, of_water),
+            joint_force=_turned(turn, data.sensordata[self._forces]),
+            joint_moment=_turned(turn, data.sensordata[self._torques]),
+            water_force=_turned(to_module, of_water),
         )
+
+
+def _rotations(flat: Float[np.ndarray, "n 9"]) -> Float[np.ndarray, "n 3 3"]:
+    """Return rotation matrices from MuJoCo's rows of nine numbers."""
+    return flat.reshape(-1, N_AXES, N_AXES)
+
+
+def _turned(
+    turn: Float[np.ndarray, "n 3 3"], vectors: Float[np.ndarray, "n 3"]
+) -> Float[np.ndarray, "n 3"]:
+    """Return vectors, each turned by its own rotation."""
+    return np.einsum("nab,nb->na", turn, vectors)
 
 
 def _columns(model: Any, names: list[str]) -> Int[np.ndarray, "n_sensors 3"]:

@@ -9,6 +9,9 @@ from jaxtyping import Float
 from laticauda.sensing.sensors.sensor import Sensor, Sight
 from laticauda.values import DIRECTIONS, BadArgument, option, quantity, value_class
 
+KINDS = ("force", "moment")
+"""What strain gauges in a joint measure, along each axis."""
+
 
 @value_class
 class StrainGauge(Sensor):
@@ -31,34 +34,42 @@ class StrainGauge(Sensor):
     moment_zero_error: float = quantity(
         "N m", "Largest constant error of a moment, likewise", ge=0.0, default=0.01
     )
-    largest_force: float = quantity("N", "A gauge shows no more", gt=0.0, default=300.0)
-    largest_moment: float = quantity("N m", "A gauge shows no more", gt=0.0, default=30.0)
+    force_limit: float = quantity("N", "A gauge shows no more", gt=0.0, default=300.0)
+    moment_limit: float = quantity("N m", "A gauge shows no more", gt=0.0, default=30.0)
 
     @property
     def columns(self) -> tuple[str, ...]:
         """See `Sensor`."""
         names: list[str] = []
         for joint in self.joints:
-            names += [f"force_{direction}_{joint}" for direction in DIRECTIONS]
-            names += [f"moment_{direction}_{joint}" for direction in DIRECTIONS]
+            for kind in KINDS:
+                names += [f"{kind}_{direction}_{joint}" for direction in DIRECTIONS]
         return tuple(names)
 
     @cached_property
     def _zeros(self) -> Float[np.ndarray, "n_sensed 2 3"]:
         """What the gauges show without a load, as shares of the largest zero errors."""
-        return _draw_zeros(self.seed, (len(self.joints), 2, len(DIRECTIONS)))
+        return _draw_zeros(self.seed, (len(self.joints), len(KINDS), len(DIRECTIONS)))
 
     def measure(self, sight: Sight, random: np.random.Generator) -> np.ndarray:
         """See `Sensor`."""
         loads = sight.observation.loads
         _check_places(self, "joints", self.joints, len(loads.joint_force))
         joints = list(self.joints)
-        true = np.stack((loads.joint_force[joints], loads.joint_moment[joints]), axis=1)
-        noise = np.array((self.force_noise, self.moment_noise))[:, np.newaxis]
-        zero_error = np.array((self.force_zero_error, self.moment_zero_error))[:, np.newaxis]
-        largest = np.array((self.largest_force, self.largest_moment))[:, np.newaxis]
-        shown = true + zero_error * self._zeros + noise * random.standard_normal(true.shape)
-        return np.clip(shown, -largest, largest).ravel()
+        force = loads.joint_force[joints]
+        moment = loads.joint_moment[joints]
+        true = np.stack((force, moment), axis=1)
+        zero_error = self._of_kinds("zero_error")
+        deviation = self._of_kinds("noise")
+        limit = self._of_kinds("limit")
+        noise = deviation * random.standard_normal(true.shape)
+        shown = true + zero_error * self._zeros + noise
+        return np.clip(shown, -limit, limit).ravel()
+
+    def _of_kinds(self, name: str) -> Float[np.ndarray, "2 1"]:
+        """Return a number of the gauges for forces, and that for moments."""
+        numbers = [getattr(self, f"{kind}_{name}") for kind in KINDS]
+        return np.array(numbers)[:, np.newaxis]
 
 
 @value_class
@@ -72,7 +83,7 @@ class PressureSensor(Sensor):
     zero_error: float = quantity(
         "Pa", "Largest constant error, either sign, by the seed", ge=0.0, default=10.0
     )
-    largest: float = quantity("Pa", "A sensor shows no more", gt=0.0, default=1e4)
+    limit: float = quantity("Pa", "A sensor shows no more", gt=0.0, default=1e4)
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -86,11 +97,13 @@ class PressureSensor(Sensor):
 
     def measure(self, sight: Sight, random: np.random.Generator) -> np.ndarray:
         """See `Sensor`."""
-        difference = sight.observation.loads.pressure_difference
-        _check_places(self, "links", self.links, len(difference))
-        noise = self.noise * random.standard_normal(len(self.links))
-        shown = difference[list(self.links)] + self.zero_error * self._zeros + noise
-        return np.clip(shown, -self.largest, self.largest)
+        of_all = sight.observation.loads.pressure_difference
+        _check_places(self, "links", self.links, len(of_all))
+        links = list(self.links)
+        true = of_all[links]
+        noise = self.noise * random.standard_normal(true.shape)
+        shown = true + self.zero_error * self._zeros + noise
+        return np.clip(shown, -self.limit, self.limit)
 
 
 def _draw_zeros(seed: int, shape: tuple[int, ...]) -> np.ndarray:
