@@ -55,15 +55,22 @@ class Vehicle:
         _check(scenario)
         self.plant: Any = simulate.build_plant(scenario)
         """The plant that is stepped."""
-        self.scenario = replace(scenario, robot=self.plant.robot, model=self.plant.settings)
+        self.scenario = replace(
+            scenario,
+            robot=self.plant.robot,
+            model=self.plant.settings,
+        )
         """The scenario, with robot and model as they are simulated."""
         self._tracker = MotionTracker(self.scenario, of_head=of_head)
-        self._needs_observation = bool(scenario.model.sensors) or count_ranges(scenario.model) > 0
+        model = scenario.model
+        self._needs_observation = bool(model.sensors) or count_ranges(model) > 0
         self.reset()
 
     def reset(self) -> None:
         """Put the robot back to its start."""
-        self.state: Any = self.plant.init(self.scenario.start, Command(gait=self.scenario.gait))
+        scenario = self.scenario
+        command = Command(gait=scenario.gait)
+        self.state: Any = self.plant.init(scenario.start, command)
         """State of the plant."""
         self._motion: VehicleMotion | None = None
         self._senses = senses_of(self.plant.settings, self.plant.environment)
@@ -87,8 +94,11 @@ class Vehicle:
         self.state = advance.state
         log = self.plant.log([advance.stretch])
         self.record.add(log)
-        before = self._motion or self._tracker.motion(log, 0)
-        self._motion = self._tracker.motion(log, -1, before)
+        before = self._motion
+        if before is None:
+            before = self._tracker.motion(log, 0)
+        now = self._tracker.motion(log, -1, before)
+        self._motion = now
         ranges: tuple[float, ...] = ()
         readings: Mapping[str, Reading] = {}
         if self._needs_observation:
@@ -96,8 +106,8 @@ class Vehicle:
             ranges = _list_ranges(self.scenario.model, observation)
             readings = observation.readings
         return VehicleStep(
-            motion=self._motion,
-            inertial=measure_inertial(before, self._motion),
+            motion=now,
+            inertial=measure_inertial(before, now),
             ranges=ranges,
             readings=readings,
             power=self._drawn_power(log, duration),
@@ -109,7 +119,8 @@ class Vehicle:
         observation = self.plant.observe(self.state)
         if self._senses is None:
             return observation
-        return observation.with_readings(self._senses.read(observation))
+        readings = self._senses.read(observation)
+        return observation.with_readings(readings)
 
     def _drawn_power(self, log: Log, duration: float) -> float:
         """Return the power drawn in a step: by the power model, else by the joints, and by the electronics [W]."""
@@ -117,7 +128,10 @@ class Vehicle:
         if work is None:
             work = log.work[:, 0]
         power = float(work[-1] - work[0]) / duration
-        return power + (self.plant.robot.electronics_power or 0.0)
+        at_rest = self.plant.robot.electronics_power
+        if at_rest is None:
+            return power
+        return power + at_rest
 
 
 def count_ranges(model: Model) -> int:

@@ -85,17 +85,21 @@ class MotionTracker:
         """
         time = float(log.time[index])
         poses = self._poses(log, index)
-        position = _in_space(log.center_of_mass[index]) - self._surface
         velocity = _in_space(log.center_of_mass_velocity[index])
-        rotation = mean_rotation(poses.rotation)
         if self._of_head:
             position = poses.position[-1] - self._surface
             rotation = poses.rotation[-1]
             if before is not None:
-                velocity = (position - before.position) / (time - before.time)
+                moved = position - before.position
+                velocity = moved / (time - before.time)
+        else:
+            center_of_mass = _in_space(log.center_of_mass[index])
+            position = center_of_mass - self._surface
+            rotation = mean_rotation(poses.rotation)
         tail_rotation = poses.rotation[0]
         half_length = self._robot.modules[0].half_length
-        tail_end = poses.position[0] - half_length * tail_rotation[:, 0] - self._surface
+        to_tail_end = -half_length * tail_rotation[:, 0]
+        tail_end = poses.position[0] + to_tail_end - self._surface
         return VehicleMotion(
             time=time,
             position=position,
@@ -151,11 +155,18 @@ def mean_rotation(rotations: Float[np.ndarray, "n 3 3"]) -> Rotation:
     Args:
         rotations: Axes of the modules (forward, left, up) as columns.
     """
-    total = rotations.sum(axis=0)
-    forward = total[:, 0] / np.linalg.norm(total[:, 0])
-    up = total[:, 2] - (total[:, 2] @ forward) * forward
-    up = up / np.linalg.norm(up)
-    return np.stack((forward, np.cross(up, forward), up), axis=1)
+    forward, _, up = rotations.sum(axis=0).T
+    forward = _normalized(forward)
+    along = up @ forward
+    up = _normalized(up - along * forward)
+    left = np.cross(up, forward)
+    return np.stack((forward, left, up), axis=1)
+
+
+def _normalized(vector: Vector) -> Vector:
+    """Return the unit vector in the same direction."""
+    length = np.linalg.norm(vector)
+    return vector / length
 
 
 def rotation_vector(rotation: Rotation) -> Vector:
@@ -178,4 +189,6 @@ def rotation_vector(rotation: Rotation) -> Vector:
 
 def _in_space(vector: np.ndarray) -> Vector:
     """Return a vector of the plane or of space with three components."""
-    return np.append(vector, np.zeros(3 - len(vector)))
+    in_space = np.zeros(3)
+    in_space[: len(vector)] = vector
+    return in_space
