@@ -122,7 +122,18 @@ def test_the_command_refuses_what_it_cannot_serve(words, complaint, capsys):
     assert complaint in " ".join(capsys.readouterr().err.split())
 
 
-def test_a_port_that_is_taken_is_refused(capsys):
+def test_other_computers_are_let_in_with_a_warning(capsys, monkeypatch):
+    monkeypatch.setattr(app, "Vehicle", lambda scenario, mixing: Clockwork())
+    monkeypatch.setattr(Clockwork, "step", lambda self, pwm, duration: None)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as taken:
+        taken.bind(("0.0.0.0", 0))
+        port = taken.getsockname()[1]
+        words = ["eel", "--host", "0.0.0.0", "--port", str(port)]
+        assert app.main(words) == 2  # the port is taken, but it was about to
+    assert "Anyone who can reach this computer can drive" in capsys.readouterr().err
+
+
+def test_a_port_that_is_taken_is_refused():
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as taken:
         taken.bind(("127.0.0.1", 0))
         port = taken.getsockname()[1]

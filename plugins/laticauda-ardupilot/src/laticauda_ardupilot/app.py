@@ -12,13 +12,15 @@ from laticauda.cli.flag_types import TrialOutput
 from laticauda.cli.flags import BadFlag, parse_command
 from laticauda.connect.vehicle_record import save_record
 from laticauda.scenarios import load_scenario
-from laticauda.values import LaticaudaError, check_label, option, quantity, value_class
+from laticauda.values import LOCAL, LaticaudaError, check_label, option, quantity, value_class
 from laticauda_ardupilot.lock_step import LockStep
 from laticauda_ardupilot.mixing import FILES, load_mixing
 from laticauda_ardupilot.server import PORT, Server
 from laticauda_ardupilot.vehicle import Vehicle
 
 PROGRAM = "laticauda-ardupilot"
+STRANGERS = "Anyone who can reach this computer can drive the robot: the protocol has no passwords."
+"""What is said where other computers are let in."""
 FIRST_FRAME = 1e-3
 """Duration of the frame before the first, which compiles what is not compiled yet [s]."""
 
@@ -54,6 +56,8 @@ class Serve(Command):
         # Compile before anybody waits.
         vehicle.step((), FIRST_FRAME)
         vehicle.reset()
+        if self.host not in LOCAL:
+            print(STRANGERS, file=sys.stderr)
         lock_step = LockStep(vehicle)
         server = Server(lock_step, self.host, self.port)
         facts = {"host": server.host, "port": server.port, "parameters": str(FILES / "eel.parm")}

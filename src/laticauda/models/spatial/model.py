@@ -299,8 +299,13 @@ class SpatialPlant(Plant[Spatial]):
         return KernelInputs(
             command=numbers,
             joints=self._twin.joints.copy(),
-            effectors=water_robot.mounted_elements(self.robot, self.environment),
+            effectors=self._own_effectors,
         )
+
+    @cached_property
+    def _own_effectors(self) -> list[water.Element]:
+        """Thrusters and pectoral fins as built, without a command; nobody changes the list."""
+        return water_robot.mounted_elements(self.robot, self.environment)
 
     def _check(self, command: Command) -> None:
         """Reject a command that the robot cannot follow."""
