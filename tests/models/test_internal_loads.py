@@ -121,6 +121,32 @@ def test_the_moment_about_a_joint_s_axis_is_the_torque_of_drive_and_skin(joints,
     np.testing.assert_allclose(trial.joint_force[..., UP], 0.0, atol=1e-9)
 
 
+@pytest.mark.parametrize("joints", ["prescribed", "servo"])
+def test_in_space_yaw_and_pitch_joints_bear_the_torques_of_their_drives(joints):
+    robot = lc.load_robot("mamba-modules")
+    gait = replace(GAIT, pitch=lc.Wave(amplitude=0.2, frequency=2.0, phase_shift=0.5))
+    trial = lc.swim(robot, gait, 2.0, model="spatial", joints=joints, link_forces=True)
+    axes = {"yaw": UP, "pitch": LEFT}
+    for i, joint in enumerate(robot.joints):
+        about_axis = trial.joint_moment[:, i, axes[joint.axis]]
+        np.testing.assert_allclose(about_axis, trial.joint_torque[:, i], atol=1e-5)
+    assert np.abs(trial.joint_torque[:, 1::2]).max() > 0.5
+    assert np.abs(trial.joint_moment[..., ALONG]).max() > 0.05  # the body is twisted, too
+
+
+@pytest.mark.parametrize("kind", ["viscous", "coulomb"])
+def test_friction_of_the_ground_loads_the_joints_in_both_models_alike(kind):
+    ground = lc.load_ground(kind)
+    planar, spatial = (
+        swim("mamba", 1.5, environment=ground, model=model, dt=2e-4, sample_interval=0.05)
+        for model in ("planar", "spatial")
+    )
+    scale = np.abs(planar.joint_force).max()
+    np.testing.assert_allclose(spatial.joint_force, planar.joint_force, atol=1e-4 * scale)
+    with pytest.raises(ValueError, match="`environment` must be a Water for a pressure"):
+        _ = planar.pressure_difference
+
+
 def test_a_thruster_at_the_tail_pushes_and_one_at_the_head_pulls():
     robot = lc.load_robot("mamba")
     still = lc.lateral_undulation(amplitude=0.0, frequency=1.0, phase_shift=0.7)

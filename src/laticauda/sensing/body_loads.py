@@ -21,6 +21,7 @@ class BodyLoads:
     joint_moment: Float[np.ndarray, "n_joints 3"]
     """Moment in every joint, about the joint [N m]."""
     water_force: Float[np.ndarray, "n_links 3"]
-    """Force of the water on every link, drag and added mass; the fin's is in that of the tail [N]."""
+    """Force of the water on every link, drag and added mass; the fin's is in that of the tail. On the ground, its
+    friction [N]."""
     pressure_difference: Float[np.ndarray, " n_links"]
-    """Mean pressure on the right side of every link less that on its left [Pa]."""
+    """Mean pressure on the right side of every link less that on its left, in water [Pa]."""

@@ -5,9 +5,9 @@ from typing import TypeAlias
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.robot import Robot
+from laticauda.robot import Robot, Water
 from laticauda.trials.contents import Contents
-from laticauda.values import DIRECTIONS
+from laticauda.values import DIRECTIONS, BadArgument
 
 OfLinks: TypeAlias = Float[np.ndarray, "n_samples n_links"]
 LEFT = DIRECTIONS.index("left")
@@ -35,8 +35,10 @@ def pressure_difference(trial: Contents) -> OfLinks:
         trial: A trial that was run with `link_forces`.
 
     Raises:
-        ValueError: If it was run without.
+        ValueError: If it was run without, or on ground.
     """
+    if not isinstance(trial.environment, Water):
+        raise BadArgument("environment", "must be a Water for a pressure, got a Ground")
     if trial.water_force is None:
         raise ValueError("The trial has no `water_force`: swim it again with `link_forces=True`.")
     return trial.water_force[:, :, LEFT] / side_areas(trial.chain)

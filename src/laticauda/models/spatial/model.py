@@ -379,7 +379,7 @@ class SpatialPlant(Plant[Spatial]):
         return logged
 
     def evaluate_loads(self, state: PlantState, command: Command) -> BodyLoads:
-        """Return what links and joints bear in `state` under `command`."""
+        """Return what links and joints bear in `state` under `command`, apart from contacts with other robots."""
         loads = SampledLoads.zeros(n_samples=1, n_links=self.robot.n_links, n_axes=3)
         values = self._start_values(state, command)
         logged = self._sense(values, self._inputs(command), loads, 0)
