@@ -70,6 +70,7 @@ class Episodes:
         """Number of lanes."""
         self._n_steps = np.zeros(n, dtype=int)
         self._drawn = {draw.name: np.zeros(n) for draw in task.draws}
+        self._names_of_actions = [action.name for action in task.actions]
         self._sights = task.sights
         self._units = np.array([sight.unit for sight in self._sights])
         self.middle = np.array([0.5 * (action.low + action.high) for action in task.actions])
@@ -152,7 +153,7 @@ class Episodes:
             actions: Actions from -1 to 1; values outside are clipped [-].
         """
         asked = self.middle + self.half * np.clip(actions, -1.0, 1.0)
-        self.school.tell({action.name: asked[:, i] for i, action in enumerate(self.task.actions)})
+        self.school.tell({name: asked[:, i] for i, name in enumerate(self._names_of_actions)})
         before = self.motion
         self.school.march()
         self._n_steps += 1

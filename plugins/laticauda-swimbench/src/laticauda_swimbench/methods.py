@@ -72,15 +72,18 @@ def _piloted(controller: lc.Controller[Any], episodes: Episodes) -> Act:
         pilots = Pilots(controller, episodes)
         return lambda observed: pilots.actions()
 
+    usual_of_action = {
+        action.name: getattr(controller.gait, action.name) for action in episodes.task.actions
+    }
+
     def act(observed: np.ndarray) -> np.ndarray:
         decisions = steering.step(_seen_by_controllers(episodes))
-        asked = np.empty((episodes.n, len(episodes.task.actions)))
-        for column, action in enumerate(episodes.task.actions):
-            usual = getattr(controller.gait, action.name)
-            if action.name == "offset":
+        asked = np.empty((episodes.n, len(usual_of_action)))
+        for column, (name, usual) in enumerate(usual_of_action.items()):
+            if name == "offset":
                 asked[:, column] = usual + decisions.get("offset", 0.0)
             else:
-                asked[:, column] = decisions.get(action.name, usual)
+                asked[:, column] = decisions.get(name, usual)
         return (asked - episodes.middle) / episodes.half
 
     return act
