@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from laticauda.values import BadArgument, option, quantity, value_class
+from laticauda.values import BadArgument, add_up, option, quantity, value_class
 
 
 @value_class
@@ -268,8 +268,8 @@ def _merge(modules: Sequence[Module], middles: Sequence[float]) -> Module:
     length = math.fsum(module.length for module in modules)
     mass = math.fsum(module.mass for module in modules)
     centers = [middle + module.center for middle, module in zip(middles, modules, strict=True)]
-    center = sum(module.mass * x for module, x in zip(modules, centers, strict=True)) / mass
-    inertia = sum(
+    center = add_up(module.mass * x for module, x in zip(modules, centers, strict=True)) / mass
+    inertia = add_up(
         module.moment_of_inertia + module.mass * (x - center) ** 2  # parallel axes
         for module, x in zip(modules, centers, strict=True)
     )

@@ -21,6 +21,7 @@ from laticauda.robot.silhouettes import (
     mean_chord,
     slender_length,
 )
+from laticauda.values import add_up
 from laticauda.water.fluid.edges import plate_functions
 from laticauda.water.plates import plate_drag
 
@@ -71,8 +72,8 @@ def plates_of_modules(robot: Robot) -> tuple[PlateCoefficients | None, ...]:
 
 def _plate_of_row(row: Sequence[Module], *, n_free_ends: int) -> PlateCoefficients:
     """Return the coefficients of flat modules in a row, as of one plate of their mean height."""
-    length = sum(module.length for module in row)
-    face = sum(2.0 * module.section.half_height * module.length for module in row)
+    length = add_up(module.length for module in row)
+    face = add_up(2.0 * module.section.half_height * module.length for module in row)
     height = face / length
     lacking = 1.0 - plate_functions(height / length).added_mass
     return PlateCoefficients(

@@ -12,6 +12,7 @@ from laticauda.robot import body, effectors
 from laticauda.values import (
     BadArgument,
     Suggesting,
+    add_up,
     check_label,
     check_whole_number,
     html_table,
@@ -176,7 +177,7 @@ class Robot(Suggesting):
     @property
     def idle_power(self) -> float:
         """Power drawn at rest by electronics and idle actuators [W]."""
-        return self.electronics_power + sum(
+        return self.electronics_power + add_up(
             joint.actuator.idle_power for joint in self.driven_joints
         )
 
@@ -194,7 +195,7 @@ class Robot(Suggesting):
         if not pitch_joints:
             return self
         reduction = body.reduce_to_plane(self.modules, self.joints)
-        idle_power = sum(joint.actuator.idle_power for joint in pitch_joints)
+        idle_power = add_up(joint.actuator.idle_power for joint in pitch_joints)
         return replace(
             self,
             modules=reduction.modules,

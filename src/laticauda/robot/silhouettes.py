@@ -14,6 +14,7 @@ from jaxtyping import Float
 from laticauda.robot.body import is_flat
 from laticauda.robot.effectors import CaudalFin
 from laticauda.robot.robot import Robot
+from laticauda.values import add_up
 from laticauda.water.fluid.edges import LAG_OF_SPAN, LONGEST_LAG, plate_functions
 from laticauda.water.fluid.lattice import Outline, PlateAhead, compute_plate
 
@@ -81,7 +82,7 @@ def plate_ahead(robot: Robot) -> PlateAhead | None:
     if height < LEAST_AHEAD * fin.height:
         return None
     row = takewhile(lambda module: is_flat(module) == is_flat(tail), robot.modules)
-    length = sum(module.length for module in row)
+    length = add_up(module.length for module in row)
     return PlateAhead(length=min(length, LONGEST_AHEAD * fin.height), height=height)
 
 

@@ -35,7 +35,7 @@ from typing import Literal
 from laticauda.robot.body import Section, is_flat
 from laticauda.robot.environment import Water, finite_span_refusal
 from laticauda.robot.robot import Robot, Surface
-from laticauda.values import BadArgument
+from laticauda.values import BadArgument, add_up
 from laticauda.water.fluid import TotalSpeedDrag
 
 TEXTBOOK = "textbook"
@@ -280,7 +280,7 @@ def _friction(robot: Robot, speed: float) -> tuple[Estimate, str]:
     The uncertainties of the drag areas are independent of each other.
     """
     parts = _drag_parts(robot, speed)
-    value = sum(part.value for part in parts)
+    value = add_up(part.value for part in parts)
     margin_below = math.hypot(
         *(part.area * (part.coefficient.low - part.coefficient.value) for part in parts)
     )
@@ -304,7 +304,7 @@ def _friction(robot: Robot, speed: float) -> tuple[Estimate, str]:
 def _drag_parts(robot: Robot, speed: float) -> list[DragPart]:
     """Return the parts of the drag along the straight robot: skin, both ends, gaps at the joints."""
     sections = [module.section for module in robot.modules]
-    wetted = sum(module.section.perimeter * module.length for module in robot.modules)
+    wetted = add_up(module.section.perimeter * module.length for module in robot.modules)
     smooth = skin_friction(speed, robot.length)
     skin = Estimate(value=smooth, low=0.5 * smooth, high=1.5 * smooth)
     if robot.surface == "skinned":
@@ -319,7 +319,7 @@ def _drag_parts(robot: Robot, speed: float) -> list[DragPart]:
         value=nose.value + tail.value, low=nose.low + tail.low, high=nose.high + tail.high
     )
     largest_section = max(section.area for section in sections)
-    joint_sections = sum(min(behind.area, ahead.area) for behind, ahead in pairwise(sections))
+    joint_sections = add_up(min(behind.area, ahead.area) for behind, ahead in pairwise(sections))
     return [
         DragPart("skin (ITTC-57 [1])", wetted + _fin_surface(robot), skin),
         DragPart(f"{robot.nose} nose and {robot.tail} tail [2, 3]", largest_section, ends),
@@ -340,7 +340,7 @@ def _fin_surface(robot: Robot) -> float:
 
 def _reference_area(robot: Robot) -> float:
     """Return the area on which C_f is based, see `laticauda.robot.hydrodynamics` [m^2]."""
-    body = sum(
+    body = add_up(
         (module.section.half_height + module.section.half_width) * module.length
         for module in robot.modules
     )
@@ -356,10 +356,10 @@ def _average_across(robot: Robot, tables: Mapping[str, SectionTable], *, power: 
     modules = bodies or robot.modules
     weights = [module.length * module.section.half_height**power for module in modules]
     coefficients = [_look_up(tables[module.section.shape], module.section) for module in modules]
-    weighted = sum(
+    weighted = add_up(
         weight * coefficient for weight, coefficient in zip(weights, coefficients, strict=True)
     )
-    return weighted / sum(weights)
+    return weighted / add_up(weights)
 
 
 def _look_up(table: SectionTable, section: Section) -> float:

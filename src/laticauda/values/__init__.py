@@ -131,6 +131,7 @@ if TYPE_CHECKING:
         where as where,
     )
     from laticauda.values.tables.opening import read_columns as read_columns, read_rows as read_rows
+    from laticauda.values.sums import add_up as add_up
     from laticauda.values.series import (
         DIRECTIONS as DIRECTIONS,
         REQUESTED_SERIES as REQUESTED_SERIES,
@@ -247,6 +248,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "where",
         ],
         "laticauda.values.tables.opening": ["read_columns", "read_rows"],
+        "laticauda.values.sums": ["add_up"],
         "laticauda.values.series": [
             "DIRECTIONS",
             "REQUESTED_SERIES",

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.film.forces.assumptions import AssumptionDraws
+from laticauda.values import add_up
 
 CONFIDENCE = 0.95
 """Probability of an interval."""
@@ -105,7 +106,7 @@ def _share_variance(
         "body": max(_sum_of_squares(of_body) - n_body * by_chance, 0.0),
         "film": by_chance * n_free,
     }
-    total = sum(sizes.values())
+    total = add_up(sizes.values())
     return {source: sizes[source] / total for source in SOURCES}
 
 

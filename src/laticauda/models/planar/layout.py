@@ -14,7 +14,7 @@ from laticauda.models.dynamics.joint_table import joint_table
 from laticauda.models.planar import rows, sample_format
 from laticauda.motion.joints import JointLaw, Prescribed
 from laticauda.robot import Coefficients, fin_edge, link_coefficients, wake_mass
-from laticauda.values import BadArgument
+from laticauda.values import BadArgument, add_up
 from laticauda.water.fluid import flow as flows
 
 
@@ -326,7 +326,7 @@ def _write_bodies(
     length, mass, moment, rigid = np.array([solids[id(body)] for body in bodies]).T
     mu_t, mu_n, moment_t, moment_n, added = _added_mass(bodies, w, length[-w.mass.size :] / 2.0)
     classic = isinstance(environment, robots.Water) and environment.added_mass_form == "classic"
-    total = sum(part.mass for body in bodies for part in body.parts)
+    total = add_up(part.mass for body in bodies for part in body.parts)
     # In the other forms the centripetal term of mu_t cancels its velocity term. The classic form has two
     # more places, see `loads`.
     centripetal = moment + moment_t if classic else moment

@@ -18,6 +18,7 @@ from laticauda.models.planar.batch import COMMAND, FILTERED_COMMAND, Run
 from laticauda.models.planar.model import PlanarPlant
 from laticauda.scenarios import Scenario, Start
 from laticauda.trials import metrics
+from laticauda.values import add_up
 
 Weights = Mapping[int, float]
 """Points of a difference, in steps from the value, and their weights."""
@@ -145,7 +146,7 @@ def _weighted_sum(inputs: Mapping[int, _RunInput], weights: Weights, step: float
     rows = [weight / step * inputs[point].rows for point, weight in weights.items()]
     return RowDerivative(
         rows=np.sum(rows, axis=0),
-        weight=sum(weight / step * inputs[point].weight for point, weight in weights.items()),
+        weight=add_up(weight / step * inputs[point].weight for point, weight in weights.items()),
         needs_extras=any(run_input.has_extras for run_input in inputs.values()),
     )
 

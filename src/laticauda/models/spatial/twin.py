@@ -35,7 +35,7 @@ from laticauda.motion.joints import JointLaw
 from laticauda.robot import Environment, Ground, Robot, Scene, Water, fin_edge
 from laticauda.scenarios import Spatial
 from laticauda.sensing import HeadMotion
-from laticauda.values import BadArgument, load_mujoco
+from laticauda.values import BadArgument, add_up, load_mujoco
 from laticauda.water import mujoco as water
 from laticauda.water.mujoco import callback, table
 
@@ -400,7 +400,7 @@ def _masses_of(model: Any, robot: LocatedRobot) -> np.ndarray:
 
 def _center_of_mass(robot: Robot, ballast_depth: float) -> np.ndarray:
     """Return the center of mass of the straight robot, from its tail end [m]."""
-    mass_of_modules = sum(module.mass for module in robot.modules)
+    mass_of_modules = add_up(module.mass for module in robot.modules)
     z = -ballast_depth * mass_of_modules / robot.mass
     return np.array((straight_center_of_mass(robot), 0.0, z))
 

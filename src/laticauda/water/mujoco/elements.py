@@ -9,7 +9,7 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from laticauda.values import BadArgument, from_quaternion, option, quantity, value_class
+from laticauda.values import BadArgument, add_up, from_quaternion, option, quantity, value_class
 from laticauda.water.fluid.laws import DragLaw, PolynomialDrag
 from laticauda.water.mujoco.ground import Contact
 
@@ -96,7 +96,7 @@ class Element:
 
     def __post_init__(self) -> None:
         """Normalize the quaternion."""
-        norm = math.sqrt(sum(q * q for q in self.orientation))
+        norm = math.sqrt(add_up(q * q for q in self.orientation))
         if norm < _SMALLEST_NORM:
             rule = f"must be a quaternion that is not zero, got {self.orientation}"
             raise BadArgument("orientation", rule)
