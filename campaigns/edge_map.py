@@ -6,14 +6,14 @@ What do the kernels of the planar model give for mean thrust, side force and mom
     python campaigns/edge_map.py                  # the table, ten seconds
     python campaigns/edge_map.py --figure docs/images/edge-map.png
 
-`edge_map_behind.csv` is the same for plates that have another one, flat and lower or as high, rigidly
-ahead of their root; moments are about that root.
-
 `edge_map.csv` is the lattice's answer, to which nothing was fitted: vortex rings, harmonic in time, a straight wake,
 full suction at the leading edge (thrust by the energy balance in the far wake), extrapolated in the number of rings.
 rho = u = h = 1, z = Re[(a + s x) exp(i omega t)] with x aft from the root; `heave` a = 1, `pitchLE` s = 1, `swim` both,
 a = 1 and s = -.6 i omega. Phases are those of complex amplitudes; the side force is positive along z. Errors of thrust
 are relative to the lattice's thrust or, if that is larger, to a quarter of its power over u.
+
+`edge_map_shapes.csv` is the same for swept, tapered and forked plates, and for plates that have another one, flat and
+lower or as high, rigidly ahead of their root; `edge_lattice.py` makes it. Moments are about the root of the one behind.
 """
 
 import argparse
@@ -26,15 +26,65 @@ import numpy as np
 
 from laticauda.models.planar import rows
 from laticauda.models.planar.model import PlanarPlant
-from laticauda.robot import CaudalFin, Module, Robot, Section, Water
+from laticauda.robot import CaudalFin, Module, Robot, Section, Water, load_robot
+from laticauda.robot.silhouettes import outline_of_fin
+from laticauda.water.fluid.lattice import Outline, PlateAhead
 
 STORED = Path(__file__).with_suffix(".csv")
-STORED_BEHIND = Path(__file__).with_name("edge_map_behind.csv")
+STORED_SHAPES = Path(__file__).with_name("edge_map_shapes.csv")
 PHASES = 2.0 * np.pi * np.arange(16) / 16.0
 """Moments of a cycle; means of squares are exact."""
 SMALL = 1e-9
 """Mass and size of all that is not the plate."""
 Edge = Literal["none", "elongated", "finite-span"]
+
+
+Corners = tuple[tuple[float, float], ...]
+
+
+class Shape(NamedTuple):
+    """A plate 1 m high."""
+
+    chord: float
+    """Its length, from the root to the end of its tips [m]."""
+    corners: Corners | None = None
+    """Of its upper half; None: a rectangle [m]."""
+    ahead: PlateAhead | None = None
+    """What is ahead of its root; None: nothing."""
+
+
+def fin_of_the_fish() -> Corners:
+    """Return the silhouette of `tendon-fish`, 1 m high."""
+    fin = load_robot("tendon-fish").caudal_fin
+    assert fin is not None
+    assert fin.silhouette is not None
+    return tuple((x / fin.height, z / fin.height) for x, z in fin.silhouette)
+
+
+FISH = fin_of_the_fish()
+TRIANGLE = ((0.0, 0.0), (0.6, 0.5), (0.6, 0.0))
+SWEPT = ((0.0, 0.0), (0.25, 0.5), (0.4, 0.5), (0.25, 0.0))
+TAPERED = ((0.0, 0.0), (0.1, 0.5), (0.3, 0.5), (0.5, 0.0))
+SHAPES = {
+    "fish": Shape(max(x for x, _ in FISH), FISH),
+    "triangle": Shape(0.6, TRIANGLE),
+    "swept": Shape(0.4, SWEPT),
+    "tapered": Shape(0.5, TAPERED),
+    "fish behind 0.4": Shape(max(x for x, _ in FISH), FISH, PlateAhead(0.72, 0.4)),
+    "0.18 behind 0.4": Shape(0.18, None, PlateAhead(0.72, 0.4)),
+    "0.2 behind 0.25": Shape(0.2, None, PlateAhead(1.0, 0.25)),
+    "0.2 behind 0.5": Shape(0.2, None, PlateAhead(1.0, 0.5)),
+    "0.5 behind 0.5": Shape(0.5, None, PlateAhead(1.0, 0.5)),
+    "0.5 behind 1": Shape(0.5, None, PlateAhead(1.0, 1.0)),
+    "2 behind 0.6": Shape(2.0, None, PlateAhead(2.0, 0.6)),
+}
+"""Plates by their chord, and the height of what is ahead."""
+
+
+def outline_of(shape: Shape) -> Outline:
+    """Return the upper half of a plate, as the lattice needs it."""
+    fin = CaudalFin(length=shape.chord, height=1.0, opening_length=0.0, silhouette=shape.corners)
+    return outline_of_fin(fin)
 
 
 class Point(NamedTuple):
@@ -58,19 +108,20 @@ class RigidPlate:
     """A plate 1 m high in water of 1 kg/m^3 whose loads are those of the kernels: the fin of a robot without a body.
 
     Args:
-        aspect: h/c [-].
+        shape: The plate.
         edge: Law of its trailing edge.
-        ahead: Length and height of a plate ahead of its root [m]; None for none.
     """
 
-    def __init__(
-        self,
-        aspect: float,
-        edge: Edge = "finite-span",
-        ahead: tuple[float, float] | None = None,
-    ) -> None:
-        chord = 1.0 / aspect
-        fin = CaudalFin(length=chord, height=1.0, opening_length=0.0, thickness=SMALL, density=1e-3)
+    def __init__(self, shape: Shape, edge: Edge = "finite-span") -> None:
+        fin = CaudalFin(
+            length=shape.chord,
+            height=1.0,
+            opening_length=0.0,
+            thickness=SMALL,
+            density=1e-3,
+            silhouette=shape.corners,
+        )
+        ahead = shape.ahead
         length, height = ahead or (1e-3, 2e-6)
         section = Section(half_height=0.5 * height, half_width=0.05 * height)
         link = Module(length=length, mass=SMALL, inertia=SMALL, section=section)
@@ -150,25 +201,22 @@ def errors(edge: Edge = "finite-span") -> list[Point]:
     lattice = list(csv.DictReader(STORED.read_text(encoding="utf-8").splitlines()))
     points: list[Point] = []
     for aspect, group in groupby(lattice, key=lambda row: float(row["h_over_c"])):
-        plate = RigidPlate(aspect, edge)
+        plate = RigidPlate(Shape(1.0 / aspect), edge)
         points += [compare(plate, aspect, row, "moment_LE") for row in group]
     return points
 
 
-def errors_behind(edge: Edge = "finite-span") -> list[Point]:
-    """Return the errors of a law for plates behind other plates."""
-    lattice = csv.DictReader(STORED_BEHIND.read_text(encoding="utf-8").splitlines())
+def errors_of_shapes(*, behind: bool, edge: Edge = "finite-span") -> list[Point]:
+    """Return the errors of a law for plates of other shapes, or for plates behind other plates."""
+    lattice = csv.DictReader(STORED_SHAPES.read_text(encoding="utf-8").splitlines())
     points: list[Point] = []
-    for shape, group in groupby(lattice, key=shape_of):
-        aspect, length, height = shape
-        plate = RigidPlate(aspect, edge, (length, height))
-        points += [compare(plate, aspect, row, "moment_root") for row in group]
+    for name, group in groupby(lattice, key=lambda row: row["shape"]):
+        shape = SHAPES[name]
+        if (shape.ahead is not None) == behind:
+            plate = RigidPlate(shape, edge)
+            aspect = 1.0 / shape.chord
+            points += [compare(plate, aspect, row, "moment_root") for row in group]
     return points
-
-
-def shape_of(row: dict[str, str]) -> tuple[float, float, float]:
-    """Return h/c of a plate, and length and height of the one ahead over h."""
-    return float(row["h_over_c"]), float(row["length_ahead"]), float(row["height_ahead"])
 
 
 def compare(plate: RigidPlate, aspect: float, row: dict[str, str], moment_name: str) -> Point:
@@ -231,7 +279,8 @@ def main() -> None:
         f"{'law':20} {'thrust: mean':>12} {'most':>6}   side: mean, most   moment: mean, most [%]"
     )
     tables = {edge: errors(edge) for edge in edges}
-    tables |= {f"{edge}, behind": errors_behind(edge) for edge in edges}
+    tables["finite-span, shaped"] = errors_of_shapes(behind=False)
+    tables["finite-span, behind"] = errors_of_shapes(behind=True)
     for name, points in tables.items():
         table = 100.0 * np.array([point[3:] for point in points])
         (thrust, side, moment), most = table.mean(axis=0), table.max(axis=0)

@@ -105,7 +105,7 @@ def _plate_of(fin: CaudalFin, ahead: PlateAhead | None) -> FinPlate:
 
 
 def _plate_by_lattice(fin: CaudalFin, ahead: PlateAhead | None) -> FinPlate:
-    loads = compute_plate(_outline(fin), ahead)
+    loads = compute_plate(outline_of_fin(fin), ahead)
     slender = 0.25 * np.pi * fin.height**2
     excess = 0.0
     if ahead is not None:
@@ -166,7 +166,12 @@ def slender_length(fin: CaudalFin) -> float:
     return float(np.diff(edges) @ (strip_heights(fin, edges) / fin.height) ** 2)
 
 
-def _outline(fin: CaudalFin) -> Outline:
+def outline_of_fin(fin: CaudalFin) -> Outline:
+    """Return the upper half of a fin.
+
+    Args:
+        fin: The fin.
+    """
     if fin.silhouette is None:
         return Outline.rectangle(fin.length, fin.height)
     return Outline(

@@ -103,8 +103,8 @@ def compute_plate(
         ahead: The plate ahead of its root; None if its leading edge is free.
         refinement: By how much more cells there are along the chord than in the coarsest lattice.
     """
-    coarse = _loads(_build_cells(outline, ahead, refinement=refinement))
-    fine = _loads(_build_cells(outline, ahead, refinement=2 * refinement))
+    coarse = _loads(build_cells(outline, ahead, refinement=refinement))
+    fine = _loads(build_cells(outline, ahead, refinement=2 * refinement))
     return PlateLoads(*(2.0 * at_2n - at_n for at_n, at_2n in zip(coarse, fine, strict=True)))
 
 
@@ -125,7 +125,7 @@ def rectangle(aspect: float) -> PlateFunctions:
     )
 
 
-class _Rings(NamedTuple):
+class Rings(NamedTuple):
     """Rings with two sides along the chord: where these begin and end, one number per ring."""
 
     front_below: np.ndarray
@@ -138,10 +138,10 @@ class _Rings(NamedTuple):
     """Height of the upper side."""
 
 
-class _Cells(NamedTuple):
+class Cells(NamedTuple):
     """Cells of the upper half of a plate, row by row, each from the front to the trailing edge."""
 
-    sides: _Rings
+    sides: Rings
     middle: np.ndarray
     """Height at which they are looked at."""
     of_fin: np.ndarray
@@ -154,11 +154,18 @@ class _Cells(NamedTuple):
     """Largest height of the whole plate."""
 
 
-def _build_cells(outline: Outline, ahead: PlateAhead | None, *, refinement: int) -> _Cells:
+def build_cells(outline: Outline, ahead: PlateAhead | None, *, refinement: int) -> Cells:
+    """Return the cells of a plate.
+
+    Args:
+        outline: Its upper half.
+        ahead: The plate ahead of its root; None if its leading edge is free.
+        refinement: By how much more cells there are along the chord than in the coarsest lattice.
+    """
     lines, middles = _build_rows(outline.height, ahead)
     n_chord = refinement * N_CHORD
     shares = np.linspace(0.0, 1.0, n_chord + 1)
-    rows: list[_Cells] = []
+    rows: list[Cells] = []
     for below, above, middle in zip(lines[:-1], lines[1:], middles, strict=True):
         ends = np.array((below, above))
         leading = outline.leading(ends)
@@ -173,13 +180,13 @@ def _build_cells(outline: Outline, ahead: PlateAhead | None, *, refinement: int)
             distances = ahead.length * np.linspace(1.0, 0.0, n_ahead + 1)[:-1] ** 2
             x = np.concatenate((-np.stack((distances, distances), axis=1), x))
         index = np.arange(len(x) - 1)
-        sides = _Rings(
+        sides = Rings(
             *(x[:-1, 0], x[1:, 0], x[:-1, 1], x[1:, 1]),
             below=np.full(index.size, below),
             above=np.full(index.size, above),
         )
         rows.append(
-            _Cells(
+            Cells(
                 sides=sides,
                 middle=np.full(index.size, middle),
                 of_fin=index >= n_ahead,
@@ -189,8 +196,8 @@ def _build_cells(outline: Outline, ahead: PlateAhead | None, *, refinement: int)
             )
         )
     sides_of_rows = [row.sides for row in rows]
-    return _Cells(
-        sides=_Rings(*map(np.concatenate, zip(*sides_of_rows, strict=True))),
+    return Cells(
+        sides=Rings(*map(np.concatenate, zip(*sides_of_rows, strict=True))),
         middle=np.concatenate([row.middle for row in rows]),
         of_fin=np.concatenate([row.of_fin for row in rows]),
         is_first=np.concatenate([row.is_first for row in rows]),
@@ -218,7 +225,7 @@ def _build_rows(height: float, ahead: PlateAhead | None) -> tuple[np.ndarray, np
     return lines, middles
 
 
-def _loads(cells: _Cells) -> PlateLoads:
+def _loads(cells: Cells) -> PlateLoads:
     """Return the loads of one lattice."""
     sides = cells.sides
     share = (cells.middle - sides.below) / (sides.above - sides.below)
@@ -231,16 +238,16 @@ def _loads(cells: _Cells) -> PlateLoads:
     of_fin = cells.of_fin
     alone = np.where(of_fin, 1.0, 0.0)
     speeds = np.stack((np.ones_like(x), alone, alone * x), axis=1)
-    strengths = np.linalg.solve(_influence(x, cells.middle, sides), speeds)
+    strengths = np.linalg.solve(influence(x, cells.middle, sides), speeds)
     impulses = -(strengths * area[:, np.newaxis])
     mass, mass_alone, _ = impulses[of_fin].sum(axis=0)
     first, first_alone, second_alone = x[of_fin] @ impulses[of_fin]
     mass_ahead = impulses[~of_fin, 0].sum()
 
-    vortices = _shift_by_a_quarter(cells)
+    vortices = shift_by_a_quarter(cells)
     at_three_quarters = front + 0.75 * (back - front)
     speeds = np.stack((np.ones_like(x), at_three_quarters), axis=1)
-    flowing = _influence(at_three_quarters, cells.middle, vortices)
+    flowing = influence(at_three_quarters, cells.middle, vortices)
     strengths = np.linalg.solve(flowing, speeds)
     # A ring's bound vortex, at a quarter of its cell, has its strength less that of the ring ahead.
     before = np.where(cells.is_first[:, np.newaxis], 0.0, np.roll(strengths, 1, axis=0))
@@ -258,8 +265,12 @@ def _loads(cells: _Cells) -> PlateLoads:
     )
 
 
-def _shift_by_a_quarter(cells: _Cells) -> _Rings:
-    """Return the rings of a steady flow, from a quarter of a cell to that of the next one or along the wake."""
+def shift_by_a_quarter(cells: Cells) -> Rings:
+    """Return the rings of a steady flow, from a quarter of a cell to that of the next one or along the wake.
+
+    Args:
+        cells: The cells.
+    """
     sides = cells.sides
     quarter_below = sides.front_below + 0.25 * (sides.back_below - sides.front_below)
     quarter_above = sides.front_above + 0.25 * (sides.back_above - sides.front_above)
@@ -272,9 +283,15 @@ def _shift_by_a_quarter(cells: _Cells) -> _Rings:
     )
 
 
-def _influence(x: np.ndarray, z: np.ndarray, rings: _Rings) -> np.ndarray:
-    """Return the normal velocity at points (rows) by rings of strength 1 and their mirror images (columns)."""
-    images = _Rings(
+def influence(x: np.ndarray, z: np.ndarray, rings: Rings) -> np.ndarray:
+    """Return the normal velocity at points (rows) by rings of strength 1 and their mirror images (columns).
+
+    Args:
+        x: Distances of the points behind the root.
+        z: Their heights.
+        rings: Rings of the upper half.
+    """
+    images = Rings(
         front_below=rings.front_above,
         back_below=rings.back_above,
         front_above=rings.front_below,
@@ -286,7 +303,7 @@ def _influence(x: np.ndarray, z: np.ndarray, rings: _Rings) -> np.ndarray:
     return -(_ring(px, pz, rings) + _ring(px, pz, images))
 
 
-def _ring(x: np.ndarray, z: np.ndarray, rings: _Rings) -> np.ndarray:
+def _ring(x: np.ndarray, z: np.ndarray, rings: Rings) -> np.ndarray:
     """Return the normal velocity by rings, counter-clockwise."""
     a, b, d, c, below, above = rings
     return (
