@@ -11,9 +11,11 @@ from campaign_scripts import campaign
 from pymoo.indicators.hv import HV
 
 import laticauda as lc
+from laticauda.models.simulate import gradients
 from laticauda.studies import Front, Optimization, optimize
 from laticauda.studies.optimization import compute_losses, evaluate
 from laticauda.studies.search import Search
+from laticauda.studies.slope_search import SlopeSearch
 from laticauda.values.errors import StorageFailed
 
 kills = campaign("optimize_kills")
@@ -78,6 +80,63 @@ def test_it_keeps_within_what_the_actuators_have_unless_told_otherwise():
     assert within.n_infeasible > 0 == beyond.n_infeasible
     assert within.figures["forward_velocity"][0] < beyond.figures["forward_velocity"][0]
     assert lc.swim(within.scenario(0)).feasibility.problems == ()
+
+
+MODULE = lc.load_robot("mamba-fin").modules[0]
+HALF_HEIGHT = MODULE.section.half_height
+MANY_BOUNDS = {
+    "gait.amplitude": (0.2, 0.9),
+    "gait.frequency": (1.0, 3.0),
+    "gait.phase_shift": (0.2, 1.2),
+    "gait.offset": (-0.1, 0.1),
+    "robot.caudal_fin.length": (0.13, 0.4),
+    "robot.caudal_fin.height": (0.05, 0.4),
+    **{
+        f"robot.module.{name}": (0.85 * getattr(MODULE, name), 1.1 * getattr(MODULE, name))
+        for name in ("length", "mass")
+    },
+    "robot.module.section.half_height": (0.9 * HALF_HEIGHT, 1.1 * HALF_HEIGHT),
+    "robot.module.center": (-0.01, 0.01),
+    "robot.joint.damping": (0.0, 0.1),
+}
+MANY = Optimization(
+    scenario=lc.build_scenario("mamba-fin", GAIT, 4.0),
+    bounds=MANY_BOUNDS,
+    objectives="forward_velocity",
+    beyond_actuators=True,
+)
+
+
+def test_slopes_of_many_numbers_are_worth_more_than_three_times_the_points(monkeypatch):
+    with_slopes = small(MANY, budget=120, population=24)
+    monkeypatch.setattr(gradients, "MOST_FORWARD", 1000)
+    by_evolution = small(MANY, budget=360, population=24)
+    ends = with_slopes.figures["forward_velocity"], by_evolution.figures["forward_velocity"]
+    assert ends[0][0] > ends[1][0]
+
+
+def test_a_search_along_slopes_goes_on_to_the_same_bits(tmp_path: Path):
+    whole = small(MANY, budget=90, population=24)
+    small(MANY, tmp_path, budget=60, population=24)
+    assert same(whole, small(MANY, tmp_path, budget=90, population=24))
+
+
+def test_a_search_along_slopes_ends_at_the_optimum_on_the_bounds():
+    low, high = np.full(3, -1.0), np.array([2.0, 2.0, 0.5])
+    middle, stretch = np.array([0.3, -0.4, 1.0]), np.array([1.0, 30.0, 5.0])
+
+    def loss(points):
+        return np.sum(stretch * (points - middle) ** 2, axis=-1)
+
+    evolution = Search(low, high, n_objectives=1, population=8, seed=0)
+    search = SlopeSearch(evolution, lambda point: 2.0 * stretch * (point - middle), low, high)
+    losses: list[float] = []
+    for _ in range(25):
+        points = search.ask()
+        assert np.all((low <= points) & (points <= high))
+        losses += loss(points).tolist()
+        search.tell(loss(points)[:, np.newaxis], np.zeros(len(points)))
+    assert min(losses) == pytest.approx(loss(np.array([0.3, -0.4, 0.5])), rel=1e-6)
 
 
 @pytest.mark.parametrize("n_objectives", [1, 2])

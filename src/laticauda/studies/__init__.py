@@ -12,6 +12,7 @@ running         running a sweep, here or on a cluster (`remote_points`)
 sharing         shares of a sweep, each run by a process of its own, and their merger
 optimization    definition of an optimization, and the evaluation of its points
 search          which points to try next
+slope_search    the same with the slopes of one objective
 checkpoint      the points tried so far, in a file
 optimize        an optimization from beginning to end
 front           its result

@@ -9,8 +9,16 @@ from typing import Any
 import numpy as np
 
 import laticauda as lc
-from laticauda.models.simulate import Run, make_run_table
+from laticauda.models.simulate import (
+    Run,
+    change_parameters,
+    compute_sensitivities,
+    gradients,
+    make_run_table,
+    runs_of,
+)
 from laticauda.models.simulate.numbers import list_parameters
+from laticauda.scenarios import Controller, OpenLoop
 from laticauda.studies import sampling
 from laticauda.studies.point_trials import (
     COSTS,
@@ -155,6 +163,11 @@ class Optimization(Limits):
         return low, high
 
     @property
+    def takes_whole_numbers(self) -> bool:
+        """Whether some parameter takes whole numbers only."""
+        return bool(np.any(self._is_whole))
+
+    @property
     def _is_whole(self) -> np.ndarray:
         """Whether each parameter takes whole numbers only."""
         parameters = list_parameters(self.scenario)
@@ -219,6 +232,52 @@ def _swim(
     return swim_points_on(client, scenario, names, table)
 
 
+def has_slopes(optimization: Optimization) -> bool:
+    """Return whether the search is to use the slopes of its objective: of one, to more than ten numbers.
+
+    They are computed backward in time then, see `laticauda.models.simulate.gradients`.
+
+    Args:
+        optimization: The optimization.
+    """
+    scenario = optimization.scenario
+    if len(optimization.objectives) > 1 or optimization.takes_whole_numbers:
+        return False
+    if isinstance(scenario.motion, Controller) and not isinstance(scenario.motion, OpenLoop):
+        return False
+    plant = runs_of([scenario])[0].plant
+    return gradients.is_cheaper([plant], n_figures=1, n_numbers=len(optimization.names))
+
+
+def compute_slope(
+    optimization: Optimization, point: np.ndarray, threads: int | None = None
+) -> np.ndarray | None:
+    """Return the derivatives of the only objective, as a loss, at a point; None if it has none there.
+
+    Args:
+        optimization: The optimization.
+        point: Values of its parameters.
+        threads: Number of threads; None uses all cores available to this process.
+    """
+    numbers = dict(zip(optimization.names, point.tolist(), strict=True))
+    (objective,) = optimization.objectives
+    sensitivities = compute_sensitivities(
+        [change_parameters(optimization.scenario, numbers)],
+        names=optimization.names,
+        figures=[objective],
+        threads=threads,
+    )
+    slope = sensitivities.jacobian[0, 0]
+    if not np.all(np.isfinite(slope)):
+        return None
+    return _sign_of_loss(objective) * slope
+
+
+def _sign_of_loss(objective: str) -> float:
+    """Return 1 for a figure that is to be small, -1 for one that is to be large."""
+    return 1.0 if objective in COSTS else -1.0
+
+
 def compute_losses(names: Sequence[str], results: Mapping[str, np.ndarray]) -> np.ndarray:
     """Return the objectives as losses, of which the smallest is best, one per column; 0 where there is none.
 
@@ -226,10 +285,7 @@ def compute_losses(names: Sequence[str], results: Mapping[str, np.ndarray]) -> n
         names: Names of the objectives.
         results: Values by name.
     """
-    columns: list[np.ndarray] = []
-    for name in names:
-        sign = 1.0 if name in COSTS else -1.0
-        columns.append(sign * results[name])
+    columns = [_sign_of_loss(name) * results[name] for name in names]
     return np.nan_to_num(np.stack(columns, axis=1), nan=0.0)
 
 

@@ -6,6 +6,7 @@
 
 from collections.abc import Mapping
 from contextlib import nullcontext
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -22,9 +23,17 @@ from laticauda.studies.checkpoint import (
 )
 from laticauda.studies.folder import as_stored, owned
 from laticauda.studies.front import Front, pareto_front
-from laticauda.studies.optimization import VIOLATION, Optimization, compute_losses, evaluate
+from laticauda.studies.optimization import (
+    VIOLATION,
+    Optimization,
+    compute_losses,
+    compute_slope,
+    evaluate,
+    has_slopes,
+)
 from laticauda.studies.point_trials import QUANTITIES, Progress
 from laticauda.studies.search import Search, package_versions
+from laticauda.studies.slope_search import SlopeSearch
 from laticauda.values import BadArgument, check_whole_number
 
 POPULATION: Mapping[int, int] = {1: 40, 2: 100}
@@ -45,6 +54,9 @@ def optimize(
     threads: int | None = None,
 ) -> Front:
     """Search for the best points: by NSGA-II for two objectives, by differential evolution for one.
+
+    For one objective and more than ten numbers, with prescribed joints, the search also follows the
+    objective's slopes from the best point, see `laticauda.studies.slope_search`.
 
     Every generation is one batch of `swim_many`. With a folder, every generation is stored there;
     an optimization that was stopped or killed continues from there, and ends bit-for-bit the same
@@ -85,10 +97,14 @@ def optimize(
         check_whole_number("threads", threads, 1)
     low, high = optimization.box()
     search = Search(low, high, n_objectives=n_objectives, population=population, seed=seed)
+    method: dict[str, str] = {}
+    if has_slopes(optimization):
+        slope = partial(compute_slope, optimization, threads=threads)
+        search = SlopeSearch(search, slope, low, high)
+        method = {"search": "slopes"}
     path = None if folder is None else Path(folder)
-    definition = as_stored(
-        {**optimization.definition(), "population": population, "seed": seed, **package_versions()}
-    )
+    settings = {"population": population, "seed": seed, **method}
+    definition = as_stored({**optimization.definition(), **settings, **package_versions()})
     checkpoint = Checkpoint(definition, len(optimization.names), path)
     with nullcontext() if path is None else owned(path, JOB, CHECKPOINT):
         checkpoint.load()
@@ -99,7 +115,7 @@ def optimize(
 
 def _search(
     optimization: Optimization,
-    search: Search,
+    search: Search | SlopeSearch,
     checkpoint: Checkpoint,
     budget: int,
     progress: Progress,

@@ -77,6 +77,20 @@ class Search:
             individual.evaluated.update(("F", "G"))
         self._algorithm.tell(infills=self._generation)
 
+    def insert(self, point: Float[np.ndarray, " n_names"], loss: float) -> None:
+        """Put a feasible point into the population of a search for one objective, in place of the worst.
+
+        Args:
+            point: The point.
+            loss: Its loss.
+        """
+        individual_module = _import_pymoo("core.individual")
+        individual = individual_module.Individual(X=point, F=np.array([loss]), G=np.zeros(1))
+        individual.evaluated.update(("F", "G"))
+        population = self._algorithm.pop
+        order = np.lexsort((population.get("F")[:, 0], population.get("CV")[:, 0]))
+        population[order[-1]] = individual
+
 
 def package_versions() -> dict[str, str]:
     """Return the versions of the packages on which the search's numbers depend, besides its arguments.

@@ -1,0 +1,171 @@
+"""A search for one objective that knows its slopes: from the best point it goes downhill, else it explores.
+
+Differential evolution learns only from comparing points, which takes many of them where many numbers
+vary. Here the best point is improved by a quasi-Newton method (BFGS, on the numbers that are free to
+move within the bounds; Nocedal and Wright, Numerical Optimization, 2006, chs. 6 and 16): its slope
+gives a direction, and points at several distances along it are tried at once. While this helps, it
+goes on; otherwise follows another generation of the evolution, into whose population the best point
+has gone. A point that is not feasible is never taken: near a limit, the shorter distances remain.
+"""
+
+from collections.abc import Callable
+from typing import TypeAlias
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from laticauda.studies.sampling import Table
+from laticauda.studies.search import Search
+
+Point: TypeAlias = Float[np.ndarray, " n_names"]
+Slope: TypeAlias = Callable[[Point], Point | None]
+"""Returns the derivatives of the loss with respect to all parameters at a point; None if there are none."""
+
+N_DISTANCES = 8
+"""Points that are tried along a direction: as many as the kernel computes side by side."""
+FIRST_DISTANCE = 0.25
+"""Longest distance along the first slope, as a share of the range of the number that changes most [-]."""
+LEAST_GAIN = 3e-3
+"""Gain, as a share of the loss, below which a generation of the evolution comes before the next direction [-]."""
+STEPS_OF_NEWTON = 2.0
+"""Longest distance along later directions, in steps of the method [-]."""
+LEAST_CURVATURE = 1e-10
+"""Curvature below which two slopes say nothing about it [-]."""
+
+
+class SlopeSearch:
+    """A search with the interface of `Search`, for one objective whose slopes are known.
+
+    Args:
+        search: The evolution.
+        slope: Returns the slopes of the loss.
+        low: Smallest value of every parameter.
+        high: Largest value of every parameter.
+    """
+
+    def __init__(self, search: Search, slope: Slope, low: Point, high: Point) -> None:
+        self._search = search
+        self._slope = slope
+        self._low = low
+        self._range = high - low
+        self._best: Point | None = None
+        """Best feasible point, as shares of the ranges."""
+        self._least_loss = np.inf
+        self._is_descending = False
+        """Whether the slope is followed from the best point next."""
+        self._is_unfinished = False
+        """Whether the slope from there has helped, if only a little."""
+        self._asked_along_slope = False
+        """Whether the points that were asked last lie along a direction."""
+        self._asked: Table = np.empty((0, low.size))
+        self._newton = _QuasiNewton(low.size)
+
+    def ask(self) -> Table:
+        """Return the next points to try."""
+        points = self._points_along_slope()
+        self._asked_along_slope = points is not None
+        if points is None:
+            points = self._search.ask()
+        self._asked = points
+        return points
+
+    def tell(
+        self, losses: Float[np.ndarray, "n n_objectives"], violation: Float[np.ndarray, " n"]
+    ) -> None:
+        """Report the results of the points that were asked last.
+
+        Args:
+            losses: Losses (smaller is better).
+            violation: 0 for feasible points.
+        """
+        if not self._asked_along_slope:
+            self._search.tell(losses, violation)
+            self._is_descending = self._is_unfinished
+        feasible_losses = np.where(violation == 0.0, losses[:, 0], np.inf)
+        best = int(np.argmin(feasible_losses))
+        least_loss = float(feasible_losses[best])
+        if least_loss < self._least_loss:
+            self._take(self._asked[best], least_loss)
+
+    def _take(self, point: Point, loss: float) -> None:
+        """Take a point as the best one."""
+        gain = self._least_loss - loss
+        self._best = (point - self._low) / self._range
+        self._least_loss = loss
+        if self._asked_along_slope:
+            self._search.insert(point, loss)
+            self._is_descending = gain > LEAST_GAIN * abs(loss)
+        else:
+            self._newton.forget()
+            self._is_descending = True
+        self._is_unfinished = True
+
+    def _points_along_slope(self) -> Table | None:
+        """Return points along a direction downhill from the best one; None if there is none that is new."""
+        if self._best is None or not self._is_descending:
+            return None
+        self._is_descending = False
+        self._is_unfinished = False
+        slope = self._slope(self._low + self._range * self._best)
+        if slope is None:
+            return None
+        change = self._newton.find_change(self._best, slope * self._range)
+        if change is None:
+            return None
+        distances = 0.5 ** np.arange(N_DISTANCES)
+        shares = np.clip(self._best + distances[:, np.newaxis] * change, 0.0, 1.0)
+        return self._low + self._range * shares
+
+
+class _QuasiNewton:
+    """Inverse of the loss's curvature, as far as its slopes at the best points so far tell it."""
+
+    def __init__(self, size: int) -> None:
+        self._size = size
+        self.forget()
+
+    def forget(self) -> None:
+        """Begin anew at another point."""
+        self._inverse: np.ndarray | None = None
+        self._last: tuple[Point, Point] | None = None
+
+    def find_change(self, point: Point, slope: Point) -> Point | None:
+        """Return the longest change to try from a point; None if the loss falls in no direction within the bounds.
+
+        Args:
+            point: The point, from 0 to 1.
+            slope: Slope of the loss there.
+        """
+        self._learn(point, slope)
+        is_free = ~(((point <= 0.0) & (slope > 0.0)) | ((point >= 1.0) & (slope < 0.0)))
+        if not np.any(slope[is_free]):
+            return None
+        if self._inverse is not None:
+            change = -self._newton_step(slope, is_free)
+            if change @ slope < 0.0:
+                return STEPS_OF_NEWTON * change
+        steepest = np.where(is_free, -slope, 0.0)
+        return FIRST_DISTANCE / np.abs(steepest).max() * steepest
+
+    def _newton_step(self, slope: Point, is_free: Bool[np.ndarray, " n_names"]) -> Point:
+        """Return the step of the numbers that are free to move."""
+        assert self._inverse is not None
+        free = np.outer(is_free, is_free)
+        return np.where(free, self._inverse, 0.0) @ slope
+
+    def _learn(self, point: Point, slope: Point) -> None:
+        """Improve the inverse curvature by the change of the slope since the last point (BFGS)."""
+        if self._last is not None:
+            last_point, last_slope = self._last
+            step, turn = point - last_point, slope - last_slope
+            curvature = float(step @ turn)
+            if curvature > LEAST_CURVATURE * float(np.linalg.norm(step) * np.linalg.norm(turn)):
+                self._update(step, turn, curvature)
+        self._last = point, slope
+
+    def _update(self, step: Point, turn: Point, curvature: float) -> None:
+        inverse = self._inverse
+        if inverse is None:
+            inverse = curvature / float(turn @ turn) * np.eye(self._size)
+        left = np.eye(self._size) - np.outer(step, turn) / curvature
+        self._inverse = left @ inverse @ left.T + np.outer(step, step) / curvature
