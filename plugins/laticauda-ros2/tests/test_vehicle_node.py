@@ -156,6 +156,8 @@ def test_joint_positions_are_held_until_a_twist_comes_and_a_reset_begins_again(r
     assert before >= 1
     other.node.say(f"{other.space}/reset", messages.Empty(structure_needs_at_least_one_member=0))
     until(lambda: other.hear("/clock").clock.sec == 0, 60.0)
+    robot.send_signal(signal.SIGINT)
+    assert json.loads(robot.stdout.read())["refused"] >= 1  # those of three joints
 
 
 def test_messages_of_one_step_agree_with_one_another(robot):

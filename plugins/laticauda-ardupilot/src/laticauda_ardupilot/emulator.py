@@ -14,7 +14,6 @@ import socket
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 from laticauda_ardupilot.packets import ServoPacket, write_servo_packet
 
@@ -74,17 +73,17 @@ def read_answer(data: bytes) -> dict[str, list[float]]:
     numbers = dict[str, list[float]]()
     for key in (*NEEDED_KEYS, "attitude", "quaternion", *(f"rng_{i}" for i in range(1, 7))):
         section = '"imu"' if key in ("gyro", "accel_body") else ""
-        found = find_numbers(text, key, section)
-        if found is not None:
-            numbers[key] = found
+        values = find_numbers(text, key, section)
+        if values is not None:
+            numbers[key] = values
         elif key in NEEDED_KEYS:
             raise NotUnderstood(f"did not find the key {key}")
     if "attitude" not in numbers and "quaternion" not in numbers:
         raise NotUnderstood("did not find the key attitude or quaternion")
     for key in ("voltage", "current"):
-        found = find_numbers(text, key, '"battery"')
-        if found is not None:
-            numbers[key] = found
+        values = find_numbers(text, key, '"battery"')
+        if values is not None:
+            numbers[key] = values
     return numbers
 
 
@@ -139,6 +138,30 @@ class Ardupilot:
 
 
 @dataclass
+class Loop:
+    """A PID loop whose output is limited to 1."""
+
+    p: float
+    """Output per error."""
+    i: float
+    """Output per integral of the error."""
+    d: float
+    """Output per rate."""
+    _integral: float = field(default=0.0, repr=False)
+
+    def output(self, error: float, *, rate: float, duration: float) -> float:
+        """Return the output, from -1 to 1.
+
+        Args:
+            error: Wanted minus measured.
+            rate: Rate of what is measured.
+            duration: Time since the last output [s].
+        """
+        self._integral = _limited(self._integral + self.i * error * duration)
+        return _limited(self.p * error + self._integral - self.d * rate)
+
+
+@dataclass
 class Pilot:
     """Holds heading and depth by PID loops, with constant thrust forward."""
 
@@ -148,12 +171,8 @@ class Pilot:
     """Wanted depth [m]."""
     forward: float = 0.6
     """Share of the full thrust."""
-    heading_gains: tuple[float, float, float] = (1.0, 0.1, 0.3)
-    """P, I, D [1/rad, 1/rad/s, s/rad]."""
-    depth_gains: tuple[float, float, float] = (3.0, 0.3, 8.0)
-    """P, I, D [1/m, 1/m/s, s/m]."""
-    _heading_sum: float = field(default=0.0, repr=False)
-    _depth_sum: float = field(default=0.0, repr=False)
+    _heading_loop: Loop = field(default_factory=lambda: Loop(p=1.0, i=0.1, d=0.3), repr=False)
+    _depth_loop: Loop = field(default_factory=lambda: Loop(p=3.0, i=0.3, d=8.0), repr=False)
 
     def motors(self, numbers: dict[str, list[float]], duration: float) -> tuple[int, int, int]:
         """Return the pulses of the three motors: right, left, vertical [us].
@@ -162,30 +181,23 @@ class Pilot:
             numbers: The last answer.
             duration: Time since the answer before [s].
         """
-        heading_error = math.remainder(self.heading - numbers["attitude"][2], math.tau)
-        depth_error = self.depth - numbers["position"][2]
-        p, i, d = self.heading_gains
-        self._heading_sum += i * heading_error * duration
-        self._heading_sum = _limited(self._heading_sum, 0.5)
-        yaw = p * heading_error + self._heading_sum - d * numbers["gyro"][2]
-        p, i, d = self.depth_gains
-        self._depth_sum = _limited(self._depth_sum + i * depth_error * duration, 1.0)
-        down = p * depth_error + self._depth_sum - d * numbers["velocity"][2]
-        yaw = _limited(yaw, 1.0)
-        return (
-            _pulse(self.forward - yaw),
-            _pulse(self.forward + yaw),
-            _pulse(down),
+        heading = numbers["attitude"][2]
+        depth = numbers["position"][2]
+        heading_error = math.remainder(self.heading - heading, math.tau)
+        yaw = self._heading_loop.output(heading_error, rate=numbers["gyro"][2], duration=duration)
+        down = self._depth_loop.output(
+            self.depth - depth, rate=numbers["velocity"][2], duration=duration
         )
+        return _pulse(self.forward - yaw), _pulse(self.forward + yaw), _pulse(down)
 
 
-def _limited(value: float, most: float) -> float:
-    return min(max(value, -most), most)
+def _limited(share: float) -> float:
+    return min(max(share, -1.0), 1.0)
 
 
 def _pulse(share: float) -> int:
     """Return the pulse for a share of the full thrust, from -1 to 1 [us]."""
-    return TRIM + round(SPAN * _limited(share, 1.0))
+    return TRIM + round(SPAN * _limited(share))
 
 
 def _largest(errors: list[float]) -> float:
@@ -195,7 +207,7 @@ def _largest(errors: list[float]) -> float:
 
 def fly(
     ardupilot: Ardupilot, pilot: Pilot, address: tuple[str, int], duration: float
-) -> list[dict[str, Any]]:
+) -> list[dict[str, list[float]]]:
     """Fly for some time; return what was read in every frame.
 
     Args:
@@ -204,7 +216,7 @@ def fly(
         address: Host and port of the simulation.
         duration: Duration, in its own time [s].
     """
-    readings: list[dict[str, Any]] = []
+    readings: list[dict[str, list[float]]] = []
     pwm = (TRIM, TRIM, TRIM)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as link:
         link.settimeout(RESENDS_AFTER)
@@ -231,27 +243,42 @@ def main(words: Sequence[str] | None = None) -> None:
     parser.add_argument("--heading-deg", type=float, default=30.0)
     parser.add_argument("--depth", type=float, default=0.8, help="m")
     parser.add_argument("--duration", type=float, default=60.0, help="s")
-    given = parser.parse_args(words)
-    ardupilot = Ardupilot(frame_rate=given.rate, n_channels=given.channels)
-    pilot = Pilot(heading=math.radians(given.heading_deg), depth=given.depth)
+    arguments = parser.parse_args(words)
+    ardupilot = Ardupilot(frame_rate=arguments.rate, n_channels=arguments.channels)
+    pilot = Pilot(heading=math.radians(arguments.heading_deg), depth=arguments.depth)
     begin = time.monotonic()
-    readings = fly(ardupilot, pilot, (given.host, given.port), given.duration)
-    steady = readings[-len(readings) // 3 :]
-    heading_errors = [
-        math.remainder(pilot.heading - numbers["attitude"][2], math.tau) for numbers in steady
-    ]
-    depth_errors = [pilot.depth - numbers["position"][2] for numbers in steady]
+    readings = fly(ardupilot, pilot, (arguments.host, arguments.port), arguments.duration)
     summary = {
         "frames": len(readings),
         "seconds": ardupilot.time,
         "seconds_of_wall_clock": time.monotonic() - begin,
-        "largest_heading_error_deg": math.degrees(_largest(heading_errors)),
-        "largest_depth_error_m": _largest(depth_errors),
-        "north_m": readings[-1]["position"][0],
-        "east_m": readings[-1]["position"][1],
-        "battery_V": readings[-1].get("voltage"),
+        **summarize(readings, pilot),
     }
     print(json.dumps(summary))
+
+
+def summarize(readings: list[dict[str, list[float]]], pilot: Pilot) -> dict[str, float | None]:
+    """Return how well heading and depth were held in the last third of a flight, and where it ended.
+
+    Args:
+        readings: What was read in every frame.
+        pilot: What was to be held.
+    """
+    heading_errors: list[float] = []
+    depth_errors: list[float] = []
+    for numbers in readings[-len(readings) // 3 :]:
+        heading = numbers["attitude"][2]
+        heading_errors.append(math.remainder(pilot.heading - heading, math.tau))
+        depth_errors.append(pilot.depth - numbers["position"][2])
+    last = readings[-1]
+    north, east, _ = last["position"]
+    return {
+        "largest_heading_error_deg": math.degrees(_largest(heading_errors)),
+        "largest_depth_error_m": _largest(depth_errors),
+        "north_m": north,
+        "east_m": east,
+        "battery_V": last.get("voltage", [None])[0],
+    }
 
 
 if __name__ == "__main__":

@@ -12,10 +12,12 @@ both directions. Therefore:
 - Frame 0 from another port: ArduPilot was restarted. The robot starts again at once.
 - An older frame from the same port, repeatedly, and nothing else in between: the same, a little later.
 
-Nothing here knows of sockets or clocks, so that tests can send packets in any order at any time.
+Nothing here knows of sockets, and the clock is an argument, so that tests can send packets in any
+order at any time.
 """
 
-from collections.abc import Hashable
+import time
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -72,10 +74,12 @@ class LockStep:
 
     Args:
         vehicle: What is stepped.
+        clock: Returns the time on the wall [s].
     """
 
-    def __init__(self, vehicle: Steps) -> None:
+    def __init__(self, vehicle: Steps, clock: Callable[[], float] = time.monotonic) -> None:
         self._vehicle = vehicle
+        self._clock = clock
         self.counts = Counts()
         """How many packets of each kind came so far."""
         self._sender: Hashable = None
@@ -86,13 +90,12 @@ class LockStep:
         self._old_count = -1
         self._old_count_since = 0.0
 
-    def answer(self, data: bytes, sender: Hashable, now: float) -> bytes | None:
+    def answer(self, data: bytes, sender: Hashable) -> bytes | None:
         """Return the answer to a datagram, to be sent to where it came from; None: there is none.
 
         Args:
             data: The datagram.
             sender: Address that it came from.
-            now: Time at which it came [s, wall clock].
 
         Raises:
             SimulationFailed: If the motion diverged.
@@ -102,21 +105,21 @@ class LockStep:
             self.counts.invalid += 1
             return None
         if sender != self._sender:
-            return self._answer_other(packet, sender, now)
+            return self._answer_other(packet, sender)
         if packet.frame_count > self._last_count:
-            return self._advance(packet, now)
+            return self._advance(packet)
         if packet.frame_count == self._last_count:
-            return self._repeat(now)
-        if self._is_restart(packet, now):
+            return self._repeat()
+        if self._is_restart(packet):
             self._reset()
-            return self._advance(packet, now)
+            return self._advance(packet)
         self.counts.late += 1
         return None
 
-    def _answer_other(self, packet: ServoPacket, sender: Hashable, now: float) -> bytes | None:
+    def _answer_other(self, packet: ServoPacket, sender: Hashable) -> bytes | None:
         """Answer a packet from an address that is not the last one."""
         is_first = self._sender is None
-        is_quiet = now - self._answered_at >= QUIET_AFTER
+        is_quiet = self._time_since_answer() >= QUIET_AFTER
         is_restart = packet.frame_count <= self._last_count
         is_former = sender in self._former_senders
         if not is_first and not is_quiet and (is_former or not is_restart):
@@ -128,10 +131,11 @@ class LockStep:
         self._sender = sender
         if is_restart:
             self._reset()
-        return self._advance(packet, now)
+        return self._advance(packet)
 
-    def _is_restart(self, packet: ServoPacket, now: float) -> bool:
+    def _is_restart(self, packet: ServoPacket) -> bool:
         """Return whether an old frame from the same port has been all that came for some time."""
+        now = self._clock()
         if packet.frame_count != self._old_count:
             self._old_count = packet.frame_count
             self._old_count_since = now
@@ -142,7 +146,7 @@ class LockStep:
         self._vehicle.reset()
         self._last_count = -1
 
-    def _advance(self, packet: ServoPacket, now: float) -> bytes:
+    def _advance(self, packet: ServoPacket) -> bytes:
         """Advance by one frame."""
         if self._last_count >= 0:
             self.counts.missed += packet.frame_count - self._last_count - 1
@@ -151,15 +155,19 @@ class LockStep:
         self._old_count = -1
         reading = self._vehicle.step(packet.pwm, 1.0 / packet.frame_rate)
         self._answer = write_sensor_line(reading)
-        self._answered_at = now
+        # After the step, which may be slow: packets that were sent again meanwhile are copies.
+        self._answered_at = self._clock()
         return self._answer
 
-    def _repeat(self, now: float) -> bytes | None:
+    def _repeat(self) -> bytes | None:
         """Answer the last frame again, unless it is a copy."""
         self._old_count = -1
-        if now - self._answered_at < REPEAT_AFTER:
+        if self._time_since_answer() < REPEAT_AFTER:
             self.counts.doubled += 1
             return None
         self.counts.repeated += 1
-        self._answered_at = now
+        self._answered_at = self._clock()
         return self._answer
+
+    def _time_since_answer(self) -> float:
+        return self._clock() - self._answered_at

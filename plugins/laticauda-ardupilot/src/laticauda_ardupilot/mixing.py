@@ -107,12 +107,16 @@ def _changed_gait(gait: Gait, sums: Sums) -> Gait:
     """Return the gait with the numbers that channels set."""
     changes = dict[str, float]()
     if sums.amplitude is not None:
-        changes["amplitude"] = min(max(sums.amplitude, 0.0), math.pi)
+        changes["amplitude"] = _limited(sums.amplitude, 0.0, math.pi)
     if sums.frequency is not None:
         changes["frequency"] = max(sums.frequency, 0.0)
     if sums.phase_shift is not None:
-        changes["phase_shift"] = min(max(sums.phase_shift, -math.pi), math.pi)
+        changes["phase_shift"] = _limited(sums.phase_shift, -math.pi, math.pi)
     return replace(gait, **changes)
+
+
+def _limited(value: float, low: float, high: float) -> float:
+    return min(max(value, low), high)
 
 
 def _effector_values(

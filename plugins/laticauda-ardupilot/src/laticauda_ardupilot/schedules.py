@@ -120,7 +120,7 @@ class Schedule:
         )
         self._n_frames = n_frames
         self.vehicle = Clockwork()
-        self.lock_step = LockStep(self.vehicle)
+        self.lock_step = LockStep(self.vehicle, clock=lambda: self.now)
         self.ardupilot = Ardupilot(
             frame_rate=self._rng.choice(FRAME_RATES), n_channels=self._rng.choice((16, 32))
         )
@@ -166,16 +166,16 @@ class Schedule:
         for delay in self.network.delays(self._rng):
             self._later(delay, lambda: self._reach_robot(data, port))
         self._n_sent += 1
-        n_sent = self._n_sent
-        self._later(RESENDS_AFTER, lambda: self._send_again(n_sent))
+        number = self._n_sent
+        self._later(RESENDS_AFTER, lambda: self._send_again(number))
 
-    def _send_again(self, n_sent: int) -> None:
+    def _send_again(self, number: int) -> None:
         """Send the packet again, unless another was sent since."""
-        if n_sent == self._n_sent:
+        if number == self._n_sent:
             self._send()
 
     def _reach_robot(self, data: bytes, port: int) -> None:
-        answer = self.lock_step.answer(data, port, self.now)
+        answer = self.lock_step.answer(data, port)
         if answer is None:
             return
         for delay in self.network.delays(self._rng):

@@ -2,7 +2,6 @@
 
 import socket
 import threading
-import time
 
 from laticauda.values import BadArgument
 from laticauda_ardupilot.lock_step import LockStep
@@ -58,7 +57,7 @@ class Server:
             return
         except ConnectionError:  # some systems report here that an answer found nobody
             return
-        answer = self._lock_step.answer(data, sender, time.monotonic())
+        answer = self._lock_step.answer(data, sender)
         if answer is not None:
             self._socket.sendto(answer, sender)
 

@@ -47,7 +47,7 @@ class Serve(Command):
         default=None,
     )
 
-    def run(self) -> Outcome | None:
+    def run(self) -> Outcome:
         """Serve until Ctrl-C."""
         if self.namespace and not TOPIC.fullmatch(self.namespace):
             raise BadArgument("namespace", f"must be such as /eel, got {self.namespace!r}")
@@ -67,7 +67,8 @@ class Serve(Command):
             self.announce({"domain": domain, "topics": node.topics}, f"domain {domain} | {topics}")
             node.run(Event().is_set, self.speed)
         save_record(node.record, self.save)
-        return None
+        facts = {"refused": node.n_refused}
+        return Outcome(facts=facts, text=f"messages that made no sense: {node.n_refused}")
 
 
 def main(words: Sequence[str] | None = None) -> int:

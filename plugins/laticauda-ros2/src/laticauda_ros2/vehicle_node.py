@@ -208,15 +208,19 @@ class VehicleNode:
 
     def _tell(self, step: VehicleStep) -> None:
         """Publish everything that belongs to a step."""
-        say = self._node.say
-        say(CLOCK, messages.clock(step.motion.time))
-        say(TRANSFORMS, reports.transforms(step.motion))
-        say(self._topic(ODOMETRY), reports.odometry(step))
-        say(self._topic(STATES), reports.joint_states(step, self._joint_names))
-        say(self._topic(IMU), reports.imu(step))
+        messages_of_step = {
+            ODOMETRY: reports.odometry(step),
+            STATES: reports.joint_states(step, self._joint_names),
+            IMU: reports.imu(step),
+        }
         environment = self._vehicle.scenario.environment
         if isinstance(environment, Water):
-            say(self._topic(PRESSURE), reports.pressure(step, environment.density))
+            messages_of_step[PRESSURE] = reports.pressure(step, environment.density)
         for number in self._ranges:
-            message = reports.distance(step, self._robot, number, has_variance=not self._is_humble)
-            say(self._topic(RANGE.format(number)), message)
+            messages_of_step[RANGE.format(number)] = reports.distance(
+                step, self._robot, number, has_variance=not self._is_humble
+            )
+        self._node.say(CLOCK, messages.clock(step.motion.time))
+        self._node.say(TRANSFORMS, reports.transforms(step.motion))
+        for name, message in messages_of_step.items():
+            self._node.say(self._topic(name), message)
