@@ -50,6 +50,22 @@ def test_a_run_has_the_figures_and_the_series_of_swim(ask):
     np.testing.assert_array_equal(reply["series"]["joint_torque"], trial.joint_torque)
 
 
+def test_a_whole_run_tells_what_the_joints_carry_if_asked(ask):
+    reply = ask("run", duration=2.0, series=["time", "joint_force", "water_force"])
+    series = {name: np.array(values) for name, values in reply["series"].items()}
+    n_samples = series["time"].size
+    assert series["joint_force"].shape == (n_samples, 8, 3)
+    assert series["water_force"].shape == (n_samples, 9, 3)
+
+
+def test_gauges_of_a_world_tell_what_its_joints_carry(ask):
+    gauge = {"kind": "strain-gauge", "joints": [3], "moment_noise": 0.0, "moment_zero_error": 0.0}
+    ask("reset", joints="servo", sensors=[gauge])
+    answer = ask("step", duration=1.0)
+    moment_up = answer["observation"]["readings"]["load"]["values"][5]
+    assert moment_up == pytest.approx(answer["joint_torque"][3], abs=1e-9)
+
+
 def test_sensors_of_a_world_tell_what_they_tell_in_python(ask):
     places = [{"kind": "net", "name": "pen", "center": [4.0, 0.0], "radius": 1.6}]
     sensors = [{"kind": "sonar", "beams_deg": [-30, 0, 30]}, {"kind": "compass", "latency": 0.2}]

@@ -102,7 +102,7 @@ class Vehicle:
         ranges: tuple[float, ...] = ()
         readings: Mapping[str, Reading] = {}
         if self._needs_observation:
-            observation = self._observe()
+            observation = self._observe(command)
             ranges = _list_ranges(self.scenario.model, observation)
             readings = observation.readings
         return VehicleStep(
@@ -114,9 +114,9 @@ class Vehicle:
             log=log,
         )
 
-    def _observe(self) -> Observation:
-        """Return the observation of the state, with what its sensors tell."""
-        observation = self.plant.observe(self.state)
+    def _observe(self, command: Command) -> Observation:
+        """Return the observation of the state after a command, with what its sensors tell."""
+        observation = self.plant.observe_under(self.state, command)
         if self._senses is None:
             return observation
         readings = self._senses.read(observation)

@@ -78,11 +78,11 @@ def create_world(scenario: lc.Scenario, budget: Budget) -> World:
         log=History(budget.max_logged),
         budget=budget,
         senses=senses,
-        readings=_read_sensors(senses, plant, state),
+        readings={},
     )
     log = _try_command(world)
     world.log.append(log.at(slice(1)))
-    return world
+    return replace(world, readings=_read_sensors(world))
 
 
 def change_world(world: World, message: Message, *, is_tried: bool = True) -> World:
@@ -132,14 +132,15 @@ def step_world(world: World, duration: float) -> World:
         if failure is not None:
             return replace(world, broken=failure)
         world.log.append(log.at(slice(1, None)))
-    return replace(world, state=state, readings=_read_sensors(world.senses, world.plant, state))
+    later = replace(world, state=state)
+    return replace(later, readings=_read_sensors(later))
 
 
-def _read_sensors(senses: Senses | None, plant: lc.Plant[Any], state: Any) -> Mapping[str, Reading]:
-    """Return what each sensor tells now."""
-    if senses is None:
+def _read_sensors(world: World) -> Mapping[str, Reading]:
+    """Return what each sensor of the robot tells now."""
+    if world.senses is None:
         return {}
-    return senses.read(plant.observe(state))
+    return world.senses.read(world.plant.observe_under(world.state, world.command))
 
 
 def check_work(world: World, duration: float, sample_interval: float) -> int:
