@@ -18,6 +18,7 @@ from laticauda_ardupilot.attitude import euler_angles
 from laticauda_ardupilot.channels import Amplitude, Frequency, Offset, Thrust
 from laticauda_ardupilot.mixing import FILES
 from laticauda_ardupilot.packets import NO_RETURN, write_sensor_line
+from laticauda_ardupilot.schedules import Schedule
 
 RATE = 400
 N_FRAMES = 512
@@ -85,6 +86,20 @@ def test_a_run_is_that_of_swim_under_the_same_commands_bit_for_bit(which):
     for name, values in vehicle.robot.plant.pack(vehicle.robot.state).items():
         assert np.array_equal(trial.state[name], values), name
     assert np.ptp(places, axis=0).max() > 1e-3
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_bad_network_leaves_the_run_that_its_frames_make_bit_for_bit(seed):
+    wave = Amplitude(servo=1, pwm_min=1000, pwm_trim=1000, pwm_max=1060, at_max=0.5)
+    mixing = Mixing(channels=(wave,))
+    vehicle = Vehicle(planar(), mixing)
+    schedule = Schedule(seed, n_frames=60, robot=vehicle).run()
+    steps = schedule.vehicle
+    undisturbed = Vehicle(planar(), mixing)
+    for pulse, duration in zip(steps.pulses, steps.durations, strict=True):
+        undisturbed.step((pulse, *[0] * 15), duration)
+    assert np.array_equal(vehicle.robot.state.values, undisturbed.robot.state.values)
+    assert undisturbed.robot.state.values.any()
 
 
 def test_a_reset_begins_the_same_run_again():

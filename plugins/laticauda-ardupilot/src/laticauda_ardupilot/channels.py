@@ -24,15 +24,15 @@ class _Channel:
     pwm_trim: float = quantity("us", "Pulse at which it has `at_trim`", gt=0.0, default=1500.0)
     pwm_max: float = quantity("us", "Pulse at which it has `at_max`", gt=0.0, default=1900.0)
     reversed: bool = option(
-        "Whether long pulses count as short ones, and short as long", default=False
+        "Whether pulses above the trim count as below it, and those below as above", default=False
     )
 
     def __post_init__(self) -> None:
         """Check the order of the pulses."""
         if not self.pwm_min <= self.pwm_trim <= self.pwm_max or self.pwm_min == self.pwm_max:
             rule = "must be between `pwm_min` and `pwm_max`, which must differ"
-            given = f"{self.pwm_min:g}, {self.pwm_trim:g} and {self.pwm_max:g} us"
-            raise BadArgument("pwm_trim", f"{rule}; got {given}")
+            pulses = f"{self.pwm_min:g}, {self.pwm_trim:g} and {self.pwm_max:g} us"
+            raise BadArgument("pwm_trim", f"{rule}; got {pulses}")
 
     def share(self, pwm: int) -> float:
         """Return where a pulse lies between the least (-1), the trim (0) and the largest (1).

@@ -1,16 +1,18 @@
 """What every servo output of ArduPilot does to the robot, in TOML.
 
-kind = "mixing"
-attitude = "body"              # or "head": whose attitude and place the autopilot sees
+    kind = "mixing"
+    attitude = "body"              # or "head": whose attitude and place the autopilot sees
 
-[[channels]]
-kind = "amplitude"             # or frequency, phase-shift, offset, pitch-offset, thrust, deflection
-servo = 1                      # SERVO1
-at_max_deg = 30                # at pwm_max = 1900 us; `at_trim` is 0, at pwm_trim = 1500 us
-at_min_deg = -30
+    [[channels]]
+    kind = "amplitude"             # or frequency, phase-shift, offset, pitch-offset, thrust, deflection
+    servo = 1                      # SERVO1
+    at_max_deg = 30                # at pwm_max = 1900 us; `at_trim` is 0, at pwm_trim = 1500 us
+    at_min_deg = -30
 
-[battery]
-capacity = 10.0
+    [battery]
+    capacity = 10.0
+
+Keys are the fields of `Mixing` and of the classes it holds.
 """
 
 import math
@@ -86,21 +88,19 @@ class Mixing:
         Raises:
             ValueError: If there is such a channel.
         """
-        numbers = {
-            "thruster": _count_driven(robot, "thrusters"),
-            "fin": _count_driven(robot, "pectoral_fins"),
-        }
+        n_thrusters = _count_driven(robot, "thrusters")
+        n_fins = _count_driven(robot, "pectoral_fins")
+        has_pitch = any(joint.axis == "pitch" for joint in robot.joints)
+        can_pitch = has_pitch and not isinstance(model, Planar)
         for i, channel in enumerate(self.channels):
             name = f"channels[{i}]"
             if isinstance(channel, Thrust):
-                _check_number(f"{name}.thruster", channel.thruster, numbers["thruster"])
+                _check_number(f"{name}.thruster", channel.thruster, n_thrusters)
             elif isinstance(channel, Deflection):
-                _check_number(f"{name}.fin", channel.fin, numbers["fin"])
-            elif isinstance(channel, PitchOffset):
-                has_pitch = any(joint.axis == "pitch" for joint in robot.joints)
-                if isinstance(model, Planar) or not has_pitch:
-                    rule = "must not be `pitch-offset` without pitch joints, in space"
-                    raise BadArgument(f"{name}.kind", f"{rule}; the robot is `{robot.name}`")
+                _check_number(f"{name}.fin", channel.fin, n_fins)
+            elif isinstance(channel, PitchOffset) and not can_pitch:
+                rule = "must not be `pitch-offset` without pitch joints, in space"
+                raise BadArgument(f"{name}.kind", f"{rule}; the robot is `{robot.name}`")
 
 
 def _changed_gait(gait: Gait, sums: Sums) -> Gait:

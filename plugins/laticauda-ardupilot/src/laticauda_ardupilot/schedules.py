@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from laticauda_ardupilot.emulator import RESENDS_AFTER, Ardupilot
-from laticauda_ardupilot.lock_step import LockStep
+from laticauda_ardupilot.lock_step import LockStep, Steps
 from laticauda_ardupilot.packets import SensorReading
 
 PATIENCE = 600.0
@@ -34,6 +34,8 @@ UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
 class Clockwork:
     """Stands for a vehicle: it has only a time, and remembers its steps."""
 
+    robot: Steps | None = None
+    """A vehicle that does each step, too, and whose readings are told."""
     time: float = 0.0
     """[s]."""
     pulses: list[int] = field(default_factory=list[int])
@@ -57,6 +59,8 @@ class Clockwork:
         self.time += duration
         self.pulses.append(pwm[0])
         self.durations.append(duration)
+        if self.robot is not None:
+            return self.robot.step(pwm, duration)
         return SensorReading(
             time=self.time,
             gyro=NOWHERE,
@@ -108,9 +112,10 @@ class Schedule:
     Args:
         seed: Of all that is random.
         n_frames: Frames whose answers ArduPilot needs.
+        robot: What is stepped in place of a clockwork, which then only remembers the steps.
     """
 
-    def __init__(self, seed: int, n_frames: int = 12) -> None:
+    def __init__(self, seed: int, n_frames: int = 12, robot: Steps | None = None) -> None:
         self._rng = random.Random(seed)
         self.network = Network(
             loss=self._rng.uniform(0.0, 0.4),
@@ -119,7 +124,7 @@ class Schedule:
             latest=self._rng.choice((0.02, 0.2, 0.9)),
         )
         self._n_frames = n_frames
-        self.vehicle = Clockwork()
+        self.vehicle = Clockwork(robot=robot)
         self.lock_step = LockStep(self.vehicle, clock=lambda: self.now)
         self.ardupilot = Ardupilot(
             frame_rate=self._rng.choice(FRAME_RATES), n_channels=self._rng.choice((16, 32))

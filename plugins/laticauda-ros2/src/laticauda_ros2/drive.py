@@ -1,14 +1,16 @@
 """From a `Twist` to a command: what a swimmer does to go forward, to turn and to climb.
 
-kind = "drive"
-forward_speed = 0.12       # m/s, of linear.x at which the wave has its full amplitude
-amplitude_deg = 25
-turn_rate = 0.1            # rad/s, of angular.z at which the body has its full bend
-offset_deg = 10
-climb_speed = 0.1          # m/s, of linear.z at which thruster and pitch joints do all they can
-thruster = 0               # that pushes upward; left out: none
-thrust = 12.0
-pitch_offset_deg = 4
+    kind = "drive"
+    forward_speed = 0.15       # m/s, of linear.x at which the wave has its full amplitude
+    amplitude_deg = 25
+    turn_rate = 0.16           # rad/s, of angular.z at which the body has its full bend
+    offset_deg = 10
+    climb_speed = 0.07         # m/s, of linear.z at which thruster and pitch joints do all they can
+    thruster = 0               # that pushes upward; left out: none
+    thrust = 12.0
+    pitch_offset_deg = 4
+
+Keys are the fields of `Drive`.
 """
 
 from dataclasses import replace
