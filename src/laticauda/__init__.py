@@ -23,6 +23,8 @@ if TYPE_CHECKING:
         UnitWarning as UnitWarning,
     )
     from laticauda.motion.joints import (
+        Ekeberg as Ekeberg,
+        Hill as Hill,
         JointLaw as JointLaw,
         PD as PD,
         Prescribed as Prescribed,
@@ -134,7 +136,15 @@ __getattr__, __dir__, __all__ = lazy_exports(
     __name__,
     {
         "laticauda.values.errors": ["ImplausibleWarning", "InfeasibleWarning", "UnitWarning"],
-        "laticauda.motion.joints": ["JointLaw", "PD", "Prescribed", "Servo", "SpeedServo"],
+        "laticauda.motion.joints": [
+            "Ekeberg",
+            "Hill",
+            "JointLaw",
+            "PD",
+            "Prescribed",
+            "Servo",
+            "SpeedServo",
+        ],
         "laticauda.control": [
             "Following",
             "HeadingController",

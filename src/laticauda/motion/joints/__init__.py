@@ -15,6 +15,7 @@ from laticauda.motion.joints.laws import (
     motor_power,
     servo,
 )
+from laticauda.motion.joints.muscles import Ekeberg, Hill, ekeberg, hill
 from laticauda.motion.joints.speed_servo import SpeedServo, speed_servo
 
 __all__ = [
@@ -26,10 +27,14 @@ __all__ = [
     "PRESCRIBED",
     "SLIDING_RATE",
     "Drive",
+    "Ekeberg",
+    "Hill",
     "JointLaw",
     "Prescribed",
     "Servo",
     "SpeedServo",
+    "ekeberg",
+    "hill",
     "motor_power",
     "servo",
     "speed_servo",

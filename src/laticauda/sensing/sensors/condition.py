@@ -28,7 +28,7 @@ class ContactSensor(Sensor):
         return ("force", "link")
 
     def measure(self, sight: Sight, random: np.random.Generator) -> np.ndarray:
-        """See `Sensor`."""
+        """Return its values, with noise of `random`, at the moment of `sight`."""
         noise = self.noise * random.standard_normal()
         forces_of_links = sight.observation.contact_force
         if forces_of_links is None:
@@ -65,7 +65,7 @@ class BatteryGauge(Sensor):
         return ("left",)
 
     def measure(self, sight: Sight, random: np.random.Generator) -> np.ndarray:
-        """See `Sensor`."""
+        """Return its values, with noise of `random`, at the moment of `sight`."""
         observation = sight.observation
         taken = observation.energy + self.other_power * float(observation.time)
         left = self.full_share - taken / (self.capacity * SECONDS_PER_HOUR)

@@ -52,7 +52,7 @@ class StrainGauge(Sensor):
         return _draw_zeros(self.seed, (len(self.joints), len(KINDS), len(DIRECTIONS)))
 
     def measure(self, sight: Sight, random: np.random.Generator) -> np.ndarray:
-        """See `Sensor`."""
+        """Return its values, with noise of `random`, at the moment of `sight`."""
         loads = sight.observation.loads
         _check_places(self, "joints", self.joints, len(loads.joint_force))
         joints = list(self.joints)
@@ -96,7 +96,7 @@ class PressureSensor(Sensor):
         return _draw_zeros(self.seed, (len(self.links),))
 
     def measure(self, sight: Sight, random: np.random.Generator) -> np.ndarray:
-        """See `Sensor`."""
+        """Return its values, with noise of `random`, at the moment of `sight`."""
         of_all = sight.observation.loads.pressure_difference
         _check_places(self, "links", self.links, len(of_all))
         links = list(self.links)

@@ -26,7 +26,7 @@ class Compass(Sensor):
         return ("heading",)
 
     def measure(self, sight: Sight, random: np.random.Generator) -> np.ndarray:
-        """See `Sensor`."""
+        """Return its values, with noise of `random`, at the moment of `sight`."""
         forward = sight.observation.head.axes[:, 0]
         heading = math.atan2(forward[1], forward[0])
         return np.array([heading + self.bias + self.noise * random.standard_normal()])
@@ -45,7 +45,7 @@ class DepthGauge(Sensor):
         return ("depth",)
 
     def measure(self, sight: Sight, random: np.random.Generator) -> np.ndarray:
-        """See `Sensor`."""
+        """Return its values, with noise of `random`, at the moment of `sight`."""
         depth = -float(sight.observation.head.position[2])
         return np.array([depth + self.noise * random.standard_normal()])
 
@@ -74,7 +74,7 @@ class AcousticPosition(Sensor):
         return ("range", "bearing", "elevation")
 
     def measure(self, sight: Sight, random: np.random.Generator) -> np.ndarray:
-        """See `Sensor`."""
+        """Return its values, with noise of `random`, at the moment of `sight`."""
         head = sight.observation.head
         noise = random.standard_normal(3)
         to_beacon = (np.array(self.beacon) - head.position) @ head.axes
@@ -109,7 +109,7 @@ class DopplerVelocity(Sensor):
         return ("forward", "left", "up")
 
     def measure(self, sight: Sight, random: np.random.Generator) -> np.ndarray:
-        """See `Sensor`."""
+        """Return its values, with noise of `random`, at the moment of `sight`."""
         head = sight.observation.head
         velocity = head.velocity
         if self.through_water and isinstance(sight.environment, Water):
@@ -142,7 +142,7 @@ class InertialUnit(Sensor):
         return ("turn_x", "turn_y", "turn_z", "acceleration_x", "acceleration_y", "acceleration_z")
 
     def measure(self, sight: Sight, random: np.random.Generator) -> np.ndarray:
-        """See `Sensor`."""
+        """Return its values, with noise of `random`, at the moment of `sight`."""
         head = sight.observation.head
         acceleration = np.zeros(3)
         if sight.previous is not None:

@@ -65,7 +65,7 @@ class Sonar(Sensor):
         return np.stack((np.cos(angles), np.sin(angles), np.zeros_like(angles)), axis=-1)
 
     def measure(self, sight: Sight, random: np.random.Generator) -> np.ndarray:
-        """See `Sensor`."""
+        """Return its values, with noise of `random`, at the moment of `sight`."""
         of_rays = _echoes(sight, self._rays, self.grazing)
         nearest = np.min(of_rays.reshape(-1, N_RAYS_PER_BEAM), axis=-1)
         is_seen = (nearest >= self.least_range) & (nearest <= self.largest_range)
@@ -87,7 +87,7 @@ class Altimeter(Sensor):
         return ("height",)
 
     def measure(self, sight: Sight, random: np.random.Generator) -> np.ndarray:
-        """See `Sensor`."""
+        """Return its values, with noise of `random`, at the moment of `sight`."""
         noise = self.noise * random.standard_normal()
         (distance,) = _echoes(sight, DOWNWARD, grazing=0.0)
         if distance > self.largest_range:

@@ -117,7 +117,7 @@ class McapFile(Format):
             rows = rows_by_name[name]
             if describe_series(name).dimensions == ("time",):
                 return np.array(rows).reshape(len(rows))
-            return np.array(rows).reshape(len(rows), *np.shape(rows[0]))
+            return np.array(rows).reshape(len(rows), *rows[0].shape)
 
         return assembled(read_series, json.loads(recording.metadata[METADATA]["trial"]))
 
@@ -176,8 +176,7 @@ def _extract_values(message: Logged) -> list[_NamedValues]:
         values = message.content["data"]
         if message.kind == "std_msgs/Float64MultiArray":
             shape = [dimension["size"] for dimension in message.content["layout"]["dim"]]
-            # Of a robot without joints, no number comes, and not as an array.
-            values = np.asarray(values, dtype=float).reshape(shape)
+            values = values.reshape(shape)
         return [_NamedValues(name=message.topic.removeprefix(PREFIX), values=values)]
     return [
         _NamedValues(name=name, values=message.content[joint_field.field])
