@@ -23,5 +23,7 @@ class BodyLoads:
     water_force: Float[np.ndarray, "n_links 3"]
     """Force of the water on every link, drag and added mass; the fin's is in that of the tail. On the ground, its
     friction [N]."""
+    fin_force: Float[np.ndarray, " 3"]
+    """Force of a driven fin on the tail link in its joint, in the axes of the fin; 0 without one [N]."""
     pressure_difference: Float[np.ndarray, " n_links"]
     """Mean pressure on the right side of every link less that on its left, in water [Pa]."""

@@ -109,3 +109,24 @@ def test_the_other_readings_are_those_of_before_forces_were_known():
             messages.append(message)
         sent.append(messages)
     assert sent[0] == sent[1]
+
+
+@pytest.mark.parametrize("model", ["planar", "spatial"])
+def test_the_node_of_a_driven_fin_tells_what_pushes_the_tail(model):
+    robot = lc.load_robot("mamba-modules-fin")
+    robot = replace(robot, caudal_fin=replace(robot.caudal_fin, joint=robot.joints[0]))
+    plant = lc.build_plant(robot, "paper-lateral", joints="servo", model=model)
+    tank = Tank(VirtualRobot(robot, plant), EXACT)
+    body = tank.body
+    heard = 0
+    operator = Operator(tank).ready()
+    angles = references()
+    for _ in range(100):
+        for message in operator.cycle(np.append(next(angles), 0.0)):
+            if not isinstance(message, protocol.Loads) or message.node != 19:
+                continue
+            heard += 1
+            expected = body.plant.evaluate_loads(body._state, body._command).fin_force
+            np.testing.assert_allclose(message.force, expected, atol=0.51 * RESOLUTION)
+    assert heard > 10
+    assert np.abs(expected).max() > 0.1

@@ -10,7 +10,12 @@ from typing import ClassVar, Generic, TypeVar, cast
 import numpy as np
 
 from laticauda.models.dynamics.joint_table import DRIVE, ENVELOPE, MOTOR, STALL_POWER, has_hinges
-from laticauda.models.dynamics.sampled_loads import FORCES, SampledLoads, join_loads
+from laticauda.models.dynamics.sampled_loads import (
+    FORCES,
+    SampledLoads,
+    fin_load_signals,
+    join_loads,
+)
 from laticauda.models.dynamics.samples import (
     Advance,
     March,
@@ -311,9 +316,12 @@ class Plant(ABC, Generic[ModelType]):
         loads = join_loads(stretch.loads for stretch in stretches)
         forces = dict(samples.link_force or {})
         of_request: dict[str, np.ndarray] = {}
+        loads_of_fin: dict[str, np.ndarray] = {}
         if loads is not None:
             forces = {**dict(zip(FORCES, loads.link_force, strict=True)), **forces}
             of_request = {name: getattr(loads, name) for name in REQUESTED_SERIES}
+            if 0 in self.robot.fin_joints:
+                loads_of_fin = fin_load_signals(loads)
         electrical_work = None
         if has_power_model(self.robot, self.joints):
             electrical_work = samples.work[:, 3]
@@ -329,6 +337,7 @@ class Plant(ABC, Generic[ModelType]):
                 **samples.signals,
                 **self._effector_signals(stretches),
                 **fin_signals(self.robot.fin_joints, *samples.fin),
+                **loads_of_fin,
             },
         )
 

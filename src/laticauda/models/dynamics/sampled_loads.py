@@ -33,6 +33,10 @@ class SampledLoads(NamedTuple):
     """Moment in every joint, about the same axes [N m]."""
     water_force: Float[np.ndarray, "n_samples n_links 3"]
     """Force of the water on every link, drag and added mass: along, left, up [N]."""
+    fin_force: Float[np.ndarray, "n_samples 3"]
+    """Force of a fin on the tail link, in the axes of the fin's root [N]; 0 unless the fin has a joint there."""
+    fin_moment: Float[np.ndarray, "n_samples 3"]
+    """Moment of it about that joint, about the same axes [N m]."""
 
     def at(self, index: slice) -> "SampledLoads":
         """Return the loads at a slice of the samples."""
@@ -41,6 +45,8 @@ class SampledLoads(NamedTuple):
             joint_force=self.joint_force[index],
             joint_moment=self.joint_moment[index],
             water_force=self.water_force[index],
+            fin_force=self.fin_force[index],
+            fin_moment=self.fin_moment[index],
         )
 
     def body_loads(
@@ -59,6 +65,7 @@ class SampledLoads(NamedTuple):
             joint_force=self.joint_force[0],
             joint_moment=self.joint_moment[0],
             water_force=self.water_force[0],
+            fin_force=self.fin_force[0],
             pressure_difference=self.water_force[0, :, LEFT] / side_areas,
         )
 
@@ -71,6 +78,8 @@ class SampledLoads(NamedTuple):
             joint_force=np.zeros(of_joints),
             joint_moment=np.zeros(of_joints),
             water_force=np.zeros((n_samples, n_links, len(DIRECTIONS))),
+            fin_force=np.zeros((n_samples, len(DIRECTIONS))),
+            fin_moment=np.zeros((n_samples, len(DIRECTIONS))),
         )
 
 
@@ -90,4 +99,19 @@ def join_loads(parts: Iterable[SampledLoads | None]) -> SampledLoads | None:
         joint_force=np.concatenate([part.joint_force for part in kept]),
         joint_moment=np.concatenate([part.joint_moment for part in kept]),
         water_force=np.concatenate([part.water_force for part in kept]),
+        fin_force=np.concatenate([part.fin_force for part in kept]),
+        fin_moment=np.concatenate([part.fin_moment for part in kept]),
     )
+
+
+def fin_load_signals(loads: SampledLoads) -> dict[str, np.ndarray]:
+    """Return what the joint of a driven fin bears, as signals: `fin_force_along` and so on.
+
+    Args:
+        loads: The loads.
+    """
+    signals: dict[str, np.ndarray] = {}
+    for k, direction in enumerate(DIRECTIONS):
+        signals[f"fin_force_{direction}"] = loads.fin_force[:, k]
+        signals[f"fin_moment_{direction}"] = loads.fin_moment[:, k]
+    return signals

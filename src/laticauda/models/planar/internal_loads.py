@@ -75,6 +75,9 @@ def compute_loads(
     loads.joint_force[:, :, :2] = joint_force[:, tail:]
     joint_moment = _joint_moments(bodies)
     loads.joint_moment[:, :, MOMENT_UP] = joint_moment[:, tail:]
+    if tail > 0:
+        loads.fin_force[:, :2] = joint_force[:, tail - 1]
+        loads.fin_moment[:, MOMENT_UP] = joint_moment[:, tail - 1]
     # Fin bodies belong to the tail link.
     by_kind[:, :, tail] += by_kind[:, :, :tail].sum(axis=2)
     of_water = by_kind[FORCES_OF_WATER].sum(axis=0)

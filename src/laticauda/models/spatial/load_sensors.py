@@ -24,6 +24,10 @@ class SensedLoads(NamedTuple):
     """Moment in every joint [N m]."""
     water_force: Float[np.ndarray, "n_links 3"]
     """Force of the water on every link [N]."""
+    fin_force: Float[np.ndarray, " 3"]
+    """Force in the joint of a driven fin [N]."""
+    fin_moment: Float[np.ndarray, " 3"]
+    """Moment in it [N m]."""
 
 
 class LoadSensors:
@@ -32,14 +36,18 @@ class LoadSensors:
     Args:
         model: A `mujoco.MjModel` with sensors (`mjcf.build_spec`).
         bodies: Bodies of the modules in it, tail first.
+        has_driven_fin: Whether it has such sensors at the joint of a fin.
     """
 
-    def __init__(self, model: Any, bodies: Int[np.ndarray, " n_links"]) -> None:
+    def __init__(
+        self, model: Any, bodies: Int[np.ndarray, " n_links"], *, has_driven_fin: bool
+    ) -> None:
         ahead = range(1, len(bodies))
         self._bodies = bodies
         self._sites = np.array([model.site(f"module_{i}_tail").id for i in ahead], dtype=int)
         self._forces = _columns(model, [f"force_{i}" for i in ahead])
         self._torques = _columns(model, [f"torque_{i}" for i in ahead])
+        self._has_driven_fin = has_driven_fin
 
     def read(self, data: Any, of_water: Float[np.ndarray, "n_links 3"]) -> SensedLoads:
         """Return the loads in the axes of the modules.
@@ -51,10 +59,18 @@ class LoadSensors:
         from_site = _rotations(data.site_xmat[self._sites])
         to_module = np.swapaxes(_rotations(data.xmat[self._bodies]), 1, 2)
         turn = to_module[:-1] @ from_site
+        fin_force = np.zeros(N_AXES)
+        fin_moment = np.zeros(N_AXES)
+        if self._has_driven_fin:
+            # The fin is behind its parent, which is what the sensors tell the load of.
+            fin_force = -data.sensor("fin_force").data
+            fin_moment = -data.sensor("fin_torque").data
         return SensedLoads(
             joint_force=_turned(turn, data.sensordata[self._forces]),
             joint_moment=_turned(turn, data.sensordata[self._torques]),
             water_force=_turned(to_module, of_water),
+            fin_force=fin_force,
+            fin_moment=fin_moment,
         )
 
 

@@ -8,6 +8,10 @@ from laticauda.robot import Joint, Module, Robot
 from laticauda.values import load_mujoco
 
 Polynomial = tuple[float, float, float]
+FIN_JOINT = "fin_joint"
+"""Joint of a driven fin."""
+FIN_ROOT = "fin_root"
+"""Site at that joint, on the fin."""
 
 
 class _JointSensors(NamedTuple):
@@ -45,6 +49,8 @@ def add_bodies(model: Any, robot: Robot, *, height: float, root: str, ballast_de
             middle = (body.part.half_length, 0.0, 0.0)
             part.add_site(name=f"{body.name}_center", pos=middle)
             part.add_site(name=f"{body.name}_tail")
+        if body.joint_name == FIN_JOINT:
+            part.add_site(name=FIN_ROOT)
     for mount in build_mounts(robot):
         part = model.body(mount.body)
         part.add_site(name=mount.name, pos=mount.position, quat=mount.orientation)
@@ -84,7 +90,7 @@ def add_sensors(model: Any, robot: Robot) -> None:
         for i in range(robot.n_joints)
     ]
     if 0 in robot.fin_joints:
-        joints.append(_JointSensors("fin_angle", "fin_rate", "fin_joint"))
+        joints.append(_JointSensors("fin_angle", "fin_rate", FIN_JOINT))
     kind = load_mujoco().mjtSensor
     target = load_mujoco().mjtObj.mjOBJ_JOINT
     for names in joints:
@@ -96,6 +102,10 @@ def add_sensors(model: Any, robot: Robot) -> None:
         )
     for i in range(robot.n_links):
         _add_module_sensors(model, i)
+    if 0 in robot.fin_joints:
+        site = load_mujoco().mjtObj.mjOBJ_SITE
+        model.add_sensor(name="fin_force", type=kind.mjSENS_FORCE, objtype=site, objname=FIN_ROOT)
+        model.add_sensor(name="fin_torque", type=kind.mjSENS_TORQUE, objtype=site, objname=FIN_ROOT)
 
 
 def _add_module_sensors(model: Any, i: int) -> None:
@@ -118,7 +128,7 @@ def add_servos(model: Any, robot: Robot) -> None:
     for i, joint in enumerate(robot.joints):
         _add_servo(model, f"servo_{i}", f"joint_{i}", joint)
     for joint in robot.driven_joints[robot.n_joints :]:
-        _add_servo(model, "fin_servo", "fin_joint", joint)
+        _add_servo(model, "fin_servo", FIN_JOINT, joint)
 
 
 def _add_servo(model: Any, name: str, joint_name: str, joint: Joint) -> None:

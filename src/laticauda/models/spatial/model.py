@@ -376,6 +376,8 @@ class SpatialPlant(Plant[Spatial]):
         loads.joint_force[sample] = sensed.joint_force
         loads.joint_moment[sample] = sensed.joint_moment
         loads.water_force[sample] = sensed.water_force
+        loads.fin_force[sample] = sensed.fin_force
+        loads.fin_moment[sample] = sensed.fin_moment
         return logged
 
     def evaluate_loads(self, state: PlantState, command: Command) -> BodyLoads:

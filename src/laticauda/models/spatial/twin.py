@@ -109,7 +109,9 @@ class Twin:
         """Bodies of all robots, in the order of their links."""
         self._load_sensors: LoadSensors | None = None
         if senses_loads:
-            self._load_sensors = LoadSensors(self.model, self.order[: robot.n_links])
+            self._load_sensors = LoadSensors(
+                self.model, self.order[: robot.n_links], has_driven_fin=0 in robot.fin_joints
+            )
         self._masses = np.array([_masses_of(self.model, located) for located in robots])
         self._setups = np.array(
             [build_setup(self.model, self._data, located) for located in robots]

@@ -94,12 +94,14 @@ class VirtualRobot:
     def joint_force(self) -> Float[np.ndarray, "n_joints 3"]:
         """Force in every joint of the robot, and of a driven fin, now: along, left, up [N].
 
-        nan in joints that the world does not know: those for pitch in a planar world, and the fin's.
+        nan in joints that the world does not know: those for pitch in a planar world.
         """
         if self._joint_force is None:
-            of_plant = self.plant.evaluate_loads(self._state, self._command).joint_force
+            loads = self.plant.evaluate_loads(self._state, self._command)
             force = np.full((len(self.robot.driven_joints), 3), np.nan)
-            force[self.driven[: len(of_plant)]] = of_plant
+            of_body = self.driven[: len(loads.joint_force)]
+            force[of_body] = loads.joint_force
+            force[self.robot.n_joints :] = loads.fin_force
             self._joint_force = force
         return self._joint_force
 
