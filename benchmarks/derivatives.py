@@ -1,7 +1,8 @@
 """What does a derivative cost?
 
 Question: ten links, 30 s, prescribed joints: time of one core per trial and parameter of the gait,
-against a trial of a batch, and against central differences (two trials per parameter).
+against a trial of a batch, and against central differences (two trials per parameter). And the same for
+the derivatives of one figure of a trial to everything that the kernels read, backward in time.
 """
 
 import time
@@ -9,7 +10,8 @@ import time
 from _timing import fastest, of_links, print_load, random_gaits
 
 import laticauda as lc
-from laticauda.models.simulate import compute_sensitivities
+from laticauda.models.simulate import compute_sensitivities, runs_of
+from laticauda.models.simulate.gradients import FigureOfRun, compute_row_gradients
 
 NAMES = ("gait.amplitude", "gait.frequency", "gait.phase_shift", "gait.offset")
 TRIALS = 64
@@ -31,6 +33,14 @@ def main() -> None:
     alone = fastest(time.perf_counter, lambda: compute_sensitivities(robot, gaits[0], names=NAMES))
     print(f"trial of a batch               {1e3 * trial:7.3f} ms")
     print(f"derivative to one parameter    {1e3 * derivative:7.3f} ms, x {derivative / trial:.1f}")
+    runs = runs_of([lc.build_scenario(robot, gait) for gait in gaits])
+    speeds = [FigureOfRun(i, "forward_velocity") for i in range(TRIALS)]
+    gradient = (
+        fastest(time.process_time, lambda: compute_row_gradients(runs, speeds, 30.0, threads=1))
+        / TRIALS
+    )
+    n_rows = runs[0].rows.size
+    print(f"of one figure, to all {n_rows} rows {1e3 * gradient:5.3f} ms, x {gradient / trial:.1f}")
     print(f"by two trials                  {2e3 * trial:7.3f} ms, x 2.0")
     print(f"gradient of one trial, 4 parameters, wall {1e3 * alone:.1f} ms")
     print_load()

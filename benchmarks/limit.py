@@ -1,8 +1,12 @@
 """How far is the package from what the machine can do, and what does each of its ways to swim cost?
 
-Question: what does a trial of 30 s and ten links with prescribed joints cost in `swim_many`,
-against a hand-written program that does the same work, in turns? PROGRAM is such a program: called
-with a number of rounds, it prints a line that ends in `ms/trial` and a number. Then the time of one
+Question: what does a trial of 30 s and ten links with prescribed joints cost in `swim_many`, with a
+gait for every trial and in columns, and in the kernel alone, against a hand-written program that
+does the same work, in turns? And how far from its limit does such a trial end?
+
+PROGRAM is such a program, with the same method, step, torques, work and samples: called with a
+number of rounds, it prints a line that ends in `ms/trial` and a number. Look where its trial ends
+before its speed is believed: -ffast-math removes what keeps its sines right. Then the time of one
 core of the other calls; with `--against`, of another version of the package too.
 """
 
@@ -16,22 +20,109 @@ import time
 from pathlib import Path
 from typing import cast
 
+import numpy as np
 from _timing import fastest, of_links, print_load, random_gaits
 
 import laticauda as lc
+from laticauda.models.planar import COMMAND, FILTERED_COMMAND, PATH_ROWS, WIDTH, aligned
+from laticauda.models.simulate import make_run_table
 
 TRIALS, ROUNDS = 1600, 7
+DURATION, STEP = 30.0, 0.05
+CONVERGED_TRIALS = 160
+"""Trials that are run with a small step, too."""
+SMALLER_STEP = STEP / 16
+CONVERGED = 1e-6
+"""Distance of the end from that of a run with a small step, relative to the distance swum, that is asked for."""
+PROGRAM_GAIT = lc.lateral_undulation(
+    amplitude=np.deg2rad(30), frequency=np.deg2rad(130), phase_shift=np.deg2rad(40)
+)
+"""The gait of the reference program's first trial."""
+WAVE = ("amplitude", "frequency", "phase_shift")
 
 
-def reference_of(program: Path) -> float:
-    """Processor time per trial of the reference program, without what it takes to begin [s]."""
-    said = subprocess.run([program, "200"], capture_output=True, text=True, check=True).stdout
-    wall = float(re.findall(r"ms/trial\s+([\d.]+)", said)[0])
-    before = os.times()
-    start = time.perf_counter()
-    subprocess.run([program, "200"], capture_output=True, check=True)
+def time_program(program: Path) -> float:
+    """Return the processor time per trial of the reference program, without what it takes to begin [s]."""
+    before, start = os.times(), time.perf_counter()
+    said = subprocess.run([program, "400"], capture_output=True, text=True, check=True).stdout
     after, passed = os.times(), time.perf_counter() - start
+    wall = float(re.findall(r"ms/trial\s+([\d.]+)", said)[0])
     return 1e-3 * wall * min(1.0, (after.children_user - before.children_user) / passed)
+
+
+class Batch:
+    """The trials, in the three ways in which they can be run on one core."""
+
+    def __init__(self) -> None:
+        self.robot = of_links(10)
+        self.gaits = random_gaits(TRIALS)
+        self.scenario = lc.build_scenario(self.robot, self.gaits[0], DURATION)
+        self.columns = {
+            f"gait.{name}": np.array([getattr(gait, name) for gait in self.gaits]) for name in WAVE
+        }
+
+    def run_gaits(self) -> None:
+        """Run them with an object for every trial."""
+        lc.swim_many(self.robot, self.gaits, DURATION, threads=1)
+
+    def run_columns(self) -> None:
+        """Run them without one."""
+        lc.swim_many(self.scenario, columns=self.columns, threads=1)
+
+    def run_kernel(self) -> None:
+        """Run the kernel alone."""
+        table = make_run_table(self.scenario, self.columns)
+        plant = table.bases[0].plant
+        march = plant.kernels_of(WIDTH).run
+        rows_of_base = np.repeat(table.bases[0].rows[:, np.newaxis], WIDTH, axis=1)
+        lanes = aligned(rows_of_base.shape, float)
+        n_steps = round(DURATION / STEP)
+        log = aligned((1 + n_steps, PATH_ROWS, WIDTH), float)
+        for first in range(0, TRIALS, WIDTH):
+            waves = table.waves[:, first : first + WIDTH]
+            lanes[:] = rows_of_base
+            lanes[COMMAND] = waves
+            lanes[FILTERED_COMMAND] = waves[: len(FILTERED_COMMAND)]
+            march(lanes, *plant.layout.chain, plant.is_implicit, n_steps, STEP, 1, log)
+
+    def print_ratios(self, program: Path) -> None:
+        """Print the processor time of all three relative to the program's, in turns."""
+        ways = {
+            "gaits": self.run_gaits,
+            "columns": self.run_columns,
+            "kernel alone": self.run_kernel,
+        }
+        ratios: dict[str, list[float]] = {name: [] for name in ways}
+        for run in ways.values():
+            run()
+        for _ in range(ROUNDS):
+            reference = time_program(program)
+            print(f"program {1e3 * reference:.3f} ms", end="")
+            for name, run in ways.items():
+                start = time.process_time()
+                run()
+                own = (time.process_time() - start) / TRIALS
+                ratios[name].append(own / reference)
+                print(f", {name} {1e3 * own:.3f} ms ({own / reference:.2f})", end="")
+            print()
+        for name, values in ratios.items():
+            print(f"median of the ratios, {name}: {sorted(values)[ROUNDS // 2]:.2f}")
+
+    def print_convergence(self) -> None:
+        """Print how far the trials end from where those with a small step end."""
+        gaits = [PROGRAM_GAIT, *self.gaits[:CONVERGED_TRIALS]]
+        ends = [
+            lc.swim_many(self.robot, gaits, DURATION, dt=dt).center_of_mass
+            for dt in (STEP, SMALLER_STEP)
+        ]
+        distance = np.linalg.norm(ends[1], axis=1)
+        errors = np.linalg.norm(ends[0] - ends[1], axis=1) / distance
+        print(
+            f"end against that of a step {STEP / SMALLER_STEP:.0f} times smaller, of the distance: "
+            f"the program's gait {errors[0]:.1e}; of {CONVERGED_TRIALS} others "
+            f"median {np.median(errors[1:]):.1e}, largest {np.max(errors[1:]):.1e}, "
+            f"{np.sum(errors[1:] > CONVERGED)} above {CONVERGED:g}"
+        )
 
 
 def costs() -> dict[str, float]:
@@ -77,20 +168,10 @@ def main() -> None:
     if given.json:
         print(json.dumps(costs()))
         return
+    batch = Batch()
     if given.program is not None:
-        robot, gaits = of_links(10), random_gaits(TRIALS)
-        ratios: list[float] = []
-        for _ in range(ROUNDS):
-            reference = reference_of(given.program.resolve())
-            own = (
-                fastest(time.process_time, lambda: lc.swim_many(robot, gaits, threads=1), 1)
-                / TRIALS
-            )
-            ratios.append(own / reference)
-            print(
-                f"batch {1e3 * own:.3f} ms, program {1e3 * reference:.3f} ms, ratio {own / reference:.2f}"
-            )
-        print(f"median of the ratios: {sorted(ratios)[ROUNDS // 2]:.2f}")
+        batch.print_ratios(given.program.resolve())
+    batch.print_convergence()
     tables: dict[str, dict[str, float]] = {}
     for name, sources in {"before": given.against, "now": Path(lc.__file__).parents[1]}.items():
         if sources is not None:

@@ -11,7 +11,6 @@ import numpy as np
 from laticauda.models.dynamics import stages
 from laticauda.models.dynamics.shared_laws import SHARED_LAWS
 from laticauda.models.planar import number_types, rows, sample_format
-from laticauda.models.planar.shape import Shape
 from laticauda.motion.joints import laws as joint_laws
 from laticauda.water.fluid import edges, flow, inertia, laws
 
@@ -133,7 +132,6 @@ def python_kernels(law=None):
         "stages": stages,
         "sample_format": sample_format,
         "number_types": number_types,
-        "Shape": Shape,
         **{name: value for name, value in vars(stages).items() if name.isupper()},
         "lane_types": SimpleNamespace(rows_of=lambda width: same),
     }

@@ -43,6 +43,14 @@ SLICE = textwrap.dedent(
         lc.swim_many(finned, gaits, 0.3, environments=spanned, dt=0.05, device=d) for d in ("cpu", "cuda")
     )
     np.testing.assert_allclose(there.center_of_mass, here.center_of_mass, rtol=1e-9)
+    # What has a kernel of its own: no fin, still water; and with a current, the general one again.
+    bare = replace(robot, caudal_fin=None)
+    for water in (calm, replace(calm, current=(0.1, 0.05))):
+        here, there = (
+            lc.swim_many(bare, gaits, 0.3, environments=water, device=d) for d in ("cpu", "cuda")
+        )
+        for name in ("net_power", "heading", "center_of_mass"):
+            np.testing.assert_allclose(getattr(there, name), getattr(here, name), rtol=1e-9, err_msg=name)
     from laticauda.water.fluid.gridded import Gridded
     from laticauda.water.fluid.gridded import to_dataset
     lake = to_dataset(lc.load_current("vortex"), x=[-5.0, 5.0], y=[-5.0, 5.0])

@@ -9,6 +9,7 @@ is drift, and a steady drift is learned as the current.
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -43,16 +44,16 @@ N_STATES = 10
 N_MOTION = 6
 _DRIFT = slice(DRIFT_X, DRIFT_Y + 1)
 
-_NOISE = np.array([3e-3, 3e-3, 0.03, 1e-3, 2e-3, 2e-3, 2e-3, 2e-3, 0.02, 0.02])
+NOISE = np.array([3e-3, 3e-3, 0.03, 1e-3, 2e-3, 2e-3, 2e-3, 2e-3, 0.02, 0.02])
 """Square roots of the spectral densities of the process noise, in units of the states per sqrt(s).
 
 They are of the same order for any snake that swims a few cm/s with cycles of seconds.
 """
-_INITIAL_STD = np.array([0.02, 0.02, 0.2, 0.01, 0.02, 0.02, 0.05, 0.05, 0.2, 0.2])
+INITIAL_STD = np.array([0.02, 0.02, 0.2, 0.01, 0.02, 0.02, 0.05, 0.05, 0.2, 0.2])
 """Standard deviations of the states after the first observation, in their units."""
-_MEASUREMENT_STD = np.array([0.05, 0.05, 0.03])
+MEASUREMENT_STD = np.array([0.05, 0.05, 0.03])
 """Swing of the center of mass with the gait, x and y [m], and ripple left in the heading [rad]."""
-_COMPLEX_STEP = 1e-30
+COMPLEX_STEP = 1e-30
 """Imaginary step whose effect, per step, is an exact derivative: no difference is formed [-]."""
 
 
@@ -98,7 +99,7 @@ class CurrentObserver:
         mean = np.zeros(N_STATES)
         mean[[X, Y]] = observation.center_of_mass[:2]
         mean[PSI] = observation.heading
-        covariance = np.diag(_INITIAL_STD**2)
+        covariance = np.diag(INITIAL_STD**2)
         return ObserverState(time=observation.time, mean=mean, covariance=covariance)
 
     def step(
@@ -119,12 +120,19 @@ class CurrentObserver:
             return state
         # One column per state, and each column with a step in that state: the imaginary parts of
         # the result are the columns of the derivative F.
-        steps = np.eye(N_STATES) * (1j * _COMPLEX_STEP)
+        steps = np.eye(N_STATES) * (1j * COMPLEX_STEP)
         columns = state.mean[:, np.newaxis] + steps
-        columns_after = self._advance_mean(columns, frequency, offset, dt)
-        transition = np.imag(columns_after) / _COMPLEX_STEP
+        columns_after = self.advance_mean(
+            columns,
+            frequency,
+            offset,
+            dt,
+            cos_of_ripple=math.cos(frequency * dt),
+            sin_of_ripple=math.sin(frequency * dt),
+        )
+        transition = np.imag(columns_after) / COMPLEX_STEP
         mean = np.real(columns_after[:, 0])
-        covariance = transition @ state.covariance @ transition.T + np.diag(_NOISE**2 * dt)
+        covariance = transition @ state.covariance @ transition.T + np.diag(NOISE**2 * dt)
         return _correct(observation, mean, covariance, self.model.bend)
 
     def signals(self, state: ObserverState) -> dict[str, float]:
@@ -143,15 +151,31 @@ class CurrentObserver:
         x_std, y_std = np.sqrt(np.diag(covariance)).tolist()
         return {"drift_x": drift_x, "drift_y": drift_y, "drift_x_std": x_std, "drift_y_std": y_std}
 
-    def _advance_mean(self, mean: Array, frequency: float, offset: float, dt: float) -> Array:
-        """Return the mean, or several as columns, after a time `dt` with one command."""
+    def advance_mean(
+        self,
+        mean: Array,
+        frequency: Any,
+        offset: Any,
+        dt: float,
+        *,
+        cos_of_ripple: Any,
+        sin_of_ripple: Any,
+    ) -> Array:
+        """Return the mean, or several in further axes, after a time with one command.
+
+        Args:
+            mean: States along the first axis.
+            frequency: Frequency of the gait, or one for each entry of the last axis [rad/s].
+            offset: Offset of the joints, in the same way [rad].
+            dt: The time [s].
+            cos_of_ripple: Cosine of how far the gait's phase advances.
+            sin_of_ripple: Its sine.
+        """
         motion = self.model.after(tuple(mean[:N_MOTION]), frequency, offset, dt, np.sin, np.cos)
         x, y, *velocities_and_angles = motion
         drift = mean[[DRIFT_X, DRIFT_Y]]
-        c = math.cos(frequency * dt)
-        s = math.sin(frequency * dt)
-        ripple = c * mean[RIPPLE] - s * mean[QUADRATURE]
-        quadrature = s * mean[RIPPLE] + c * mean[QUADRATURE]
+        ripple = cos_of_ripple * mean[RIPPLE] - sin_of_ripple * mean[QUADRATURE]
+        quadrature = sin_of_ripple * mean[RIPPLE] + cos_of_ripple * mean[QUADRATURE]
         return np.array(
             [
                 x + drift[0] * dt,
@@ -174,12 +198,12 @@ def _correct(
     sensitivity[2, [PSI, BEND, RIPPLE]] = 1.0, bend, 1.0
     x, y = observation.center_of_mass[:2]
     residual = np.array([x, y, observation.heading]) - sensitivity @ mean
-    spread = sensitivity @ covariance @ sensitivity.T + np.diag(_MEASUREMENT_STD**2)
+    spread = sensitivity @ covariance @ sensitivity.T + np.diag(MEASUREMENT_STD**2)
     gain = np.linalg.solve(spread, sensitivity @ covariance).T
     # Joseph form: stays symmetric and positive.
     remainder = np.eye(N_STATES) - gain @ sensitivity
     of_prediction = remainder @ covariance @ remainder.T
-    of_measurement = (gain * _MEASUREMENT_STD**2) @ gain.T
+    of_measurement = (gain * MEASUREMENT_STD**2) @ gain.T
     return ObserverState(
         time=observation.time,
         mean=mean + gain @ residual,

@@ -18,7 +18,7 @@ from laticauda.robot import Robot
 from laticauda.scenarios import Command, Controller, Observation, VectorController
 from laticauda.values import BadArgument, angles, check_positive, option, quantity, value_class
 
-_SLOWEST = 0.5
+SLOWEST = 0.5
 """Lower bound of the speed used for a crab angle, as a fraction of the gait's speed [-]."""
 
 
@@ -170,7 +170,7 @@ class PathFollowing(Controller[PathFollowingState]):
         Args:
             controllers: The controllers, one for each robot.
         """
-        if cls is not PathFollowing or controllers[0].observer is not None:
+        if cls is not PathFollowing or not _observe_alike(controllers):
             return None
         from laticauda.control.vector_following import VectorFollowing
 
@@ -190,7 +190,7 @@ class PathFollowing(Controller[PathFollowingState]):
         # With the filter's own speed, its errors in speed and current cancel; at the start it has
         # no speed.
         usual_speed = observer.model.speed(self.gait.frequency, 0.0)
-        speed = max(float(state.mean[SPEED]), _SLOWEST * usual_speed)
+        speed = max(float(state.mean[SPEED]), SLOWEST * usual_speed)
         return Crab(*crab_angle(course, state.drift, speed, self.max_crab_angle))
 
     def check(self, robot: Robot) -> None:
@@ -203,6 +203,15 @@ class PathFollowing(Controller[PathFollowingState]):
             ValueError: If the largest offset could take a joint beyond its limit.
         """
         refuse_offset(robot, self.gait, self.heading.max_offset)
+
+
+def _observe_alike(controllers: Sequence[PathFollowing]) -> bool:
+    """Return whether no controller observes the current, or all do with the same model of their gaits."""
+    observers = [controller.observer for controller in controllers]
+    first = observers[0]
+    if first is None:
+        return not any(observers)
+    return all(observer is not None and observer.model == first.model for observer in observers)
 
 
 def refuse_offset(robot: Robot, gait: gaits.Gait, max_offset: float) -> None:

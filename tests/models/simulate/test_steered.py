@@ -9,7 +9,9 @@ import pytest
 
 import laticauda as lc
 from laticauda.control import (
+    AveragedModel,
     Circle,
+    CurrentObserver,
     HeadingController,
     IntegralLineOfSight,
     LineOfSight,
@@ -26,6 +28,22 @@ from laticauda.scenarios import VectorController
 from laticauda.values import value_class
 
 GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
+MODEL = AveragedModel(
+    turn_0=0.02,
+    turn_1=0.55,
+    bend=1.4,
+    bend_lag=0.25,
+    speed_0=0.01,
+    speed_1=0.08,
+    speed_offset=-0.2,
+    speed_lag=0.5,
+    sway=0.25,
+    sway_lag=1.2,
+    power_0=1.0,
+    power_1=3.0,
+    power_exponent=2.3,
+    power_offset=9.0,
+)
 CORNERS = ((0.0, 0.0), (0.3, 0.1), (0.6, -0.2), (1.5, 0.0))
 BASE = lc.build_scenario("mamba", GAIT, 4.0)
 FIGURES = ("forward_velocity", "mechanical_power", "mean_power", "cost_of_transport")
@@ -103,6 +121,25 @@ def test_robots_that_follow_paths_side_by_side_swim_as_each_alone(path, law):
         for estimate in ("raw", "cycle_mean", "raw")
     ]
     check_equal(scenarios_of(controllers), threads=1)
+
+
+@pytest.mark.filterwarnings("ignore::laticauda.values.InfeasibleWarning")
+@pytest.mark.parametrize("differs", ["speed_std", "model"])
+def test_robots_that_observe_the_current_side_by_side_swim_as_each_alone(differs):
+    water = replace(BASE.environment, current=(0.02, 0.05))
+    controllers = [
+        follower(
+            gait=replace(GAIT, frequency=2.0 + 0.1 * i, offset=0.01 * i),
+            observer=CurrentObserver(model=MODEL, speed_std=0.01),
+            max_crab_angle=0.3 + 0.2 * i,
+        )
+        for i in range(3)
+    ]
+    other: Any = {"speed_std": 0.02, "model": replace(MODEL, bend=1.3)}[differs]
+    observer = replace(controllers[1].observer, **{differs: other})
+    controllers[1] = replace(controllers[1], observer=observer)
+    scenarios = [replace(one, environment=water) for one in scenarios_of(controllers)]
+    check_equal(scenarios, threads=1)
 
 
 @pytest.mark.filterwarnings("ignore::laticauda.values.InfeasibleWarning")

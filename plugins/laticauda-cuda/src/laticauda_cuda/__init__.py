@@ -1,7 +1,7 @@
 """The planar kernels on a GPU: the same functions, compiled by numba-cuda, one thread per run.
 
 Experimental: an H100 and numba-cuda's simulator have run them. A run's rows are one column of an
-array, so that neighboring threads read neighboring numbers. sin, cos and exp are those of CUDA, and
+array, so that neighboring threads read neighboring numbers. sin, cos and exp are mostly those of CUDA, and
 its compiler fuses multiplications and additions in its own way: results agree with the processor's
 to rounding, not to the last digit.
 """
@@ -11,6 +11,7 @@ to rounding, not to the last digit.
 import functools
 import math
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from typing import Any, TypeVar, cast, no_type_check
 
 import numba_cuda as _  # noqa: F401  # it puts itself in the place of the module that numba has
@@ -19,10 +20,19 @@ from numba import cuda
 from numba.cuda import config
 
 from laticauda.compiling import Target
+from laticauda.compiling.functions import (
+    COSINE,
+    HALF_PI,
+    HALF_PI_REST,
+    HALF_PI_REST_OF_REST,
+    SINE,
+    TWO_PER_PI,
+)
 from laticauda.models.planar import (
     PATH_ROWS,
     Block,
     Device,
+    PlanarPlant,
     Run,
     block_of,
     columns_of,
@@ -30,6 +40,7 @@ from laticauda.models.planar import (
     rows,
     specialize,
 )
+from laticauda.models.planar.model import RUN, RUN_PRESCRIBED
 from laticauda.values import BadArgument, scalars
 
 Result = TypeVar("Result")
@@ -74,9 +85,11 @@ def _march(runs: Sequence[Run], index: np.ndarray, duration: float, n_intervals:
     every = plant.steps_in(duration / n_intervals)
     dt = duration / n_intervals / every
     n, first_strip, first_plate, law, tail_link, has_extras = cast(Any, plant.layout.chain)
-    states = cuda.to_device(columns_of(runs))
+    columns = columns_of(runs)
+    is_still = all(np.all(columns[row] == value) for row, value in rows.STILL_WATER)
+    states = cuda.to_device(columns)
     log = cuda.device_array((n_intervals + 1, PATH_ROWS, len(runs)))
-    march = _kernel(specialize(1, plant.law, plant.joints, plant.flow.kinds, _target()).run)
+    march = kernel_of(plant, is_still)
     # Behind the laws of the joints: which are free. A kernel on a GPU cannot make arrays.
     laws = np.concatenate((law, law >= rows.FIRST_FREE))
     tables = (cuda.to_device(table) for table in (first_strip, first_plate, laws))
@@ -89,6 +102,20 @@ def _march(runs: Sequence[Run], index: np.ndarray, duration: float, n_intervals:
         :, 0, np.argmax(n_samples)
     ]  # the times of all; a run that diverges stops there
     return block_of(index, path, end, n_samples)
+
+
+def kernel_of(plant: PlanarPlant, is_still: bool) -> Any:
+    """Return the kernel that runs a plant, one thread per run; it is compiled on first call.
+
+    Args:
+        plant: Robot and environment.
+        is_still: Whether the water is that of `rows.STILL_WATER` in all runs.
+    """
+    run_name, target = RUN, _target()
+    if is_still and plant.run_name == RUN_PRESCRIBED:
+        run_name, target = RUN_PRESCRIBED, _target_of_prescribed()
+    stepping = specialize(1, plant.law, plant.joints, plant.flow.kinds, target)
+    return _kernel(getattr(stepping, run_name))
 
 
 @functools.cache
@@ -164,3 +191,38 @@ def _target() -> Target:
             "free_joints": free_joints,
         },
     )
+
+
+@functools.cache
+def _target_of_prescribed() -> Target:
+    """Return the target for `stepping.run_prescribed` in still water.
+
+    Without the march for other water, and without CUDA's sin and cos, a thread takes 88 B of the stack
+    instead of 232.
+    """
+    target = _target()
+    device = cuda.jit(device=True)
+    in_still_water = {"sincos": device(_sincos), "is_still": device(lambda numbers: True)}
+    return replace(target, replacements={**target.replacements, **in_still_water}, functions={})
+
+
+def _sincos(x: float) -> tuple[float, float]:
+    """Return sin and cos as `laticauda.compiling.functions.sincos` does; CUDA's have a table on the stack."""
+    q = math.floor(x * TWO_PER_PI + 0.5)
+    y = x - q * HALF_PI
+    y = y - q * HALF_PI_REST
+    y = y - q * HALF_PI_REST_OF_REST
+    z = y * y
+    polynomial_s, polynomial_c = SINE[0], COSINE[0]
+    for k in range(1, len(SINE)):
+        polynomial_s = polynomial_s * z + SINE[k]
+        polynomial_c = polynomial_c * z + COSINE[k]
+    s = y + y * z * polynomial_s
+    c = 1.0 - 0.5 * z + z * z * polynomial_c
+    quadrant = int(q) & 3
+    sine, cosine = (c, s) if quadrant & 1 else (s, c)
+    if quadrant & 2:
+        sine = -sine
+    if quadrant == 1 or quadrant == 2:
+        cosine = -cosine
+    return sine, cosine

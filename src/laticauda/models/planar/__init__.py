@@ -9,7 +9,6 @@ number_types   what type a number of the kernels can have, and what follows from
 layout         a robot and its environment as that array
 loads          forces on the bodies, from water or ground and effectors (template)
 recursion      accelerations and joint torques from forces (template)
-shape          what of the shape of a robot with prescribed joints concerns all its bodies
 drives         the reference generator, the joint laws and the work of the joints (template)
 prescribed     the same as recursion, faster, where all joints are prescribed (template)
 stepping       steps in time, by one of two integrators (template)

@@ -85,8 +85,6 @@ MOMENT_ROWS = 1 + N_WAVE + N_FIN_WAVE
 """Numbers that are kept of a moment of the generator."""
 MOMENTS = 4
 """Moments of the generator in a step."""
-SEED_ROWS = BASE_ROWS + N_WORKS
-"""Bars of a sample that a run begins with: of the base's state, then of the works."""
 
 
 @entry
@@ -131,7 +129,7 @@ def pull_segment(
         with_work: Whether any work has a seed.
         stages: Room for what is kept of the stages: steps + 1, RK5_STAGES, STAGE_ROWS, lanes.
         moments: Room for what is kept of the generator: steps, MOMENTS, MOMENT_ROWS, lanes.
-        seeds: Bars of the samples of the whole run: samples, SEED_ROWS, lanes.
+        seeds: Bars of the samples of the whole run: samples, `reverse.SEED_ROWS`, lanes.
     """
     S = rows_of(flat)
     G = rows_of(bars)

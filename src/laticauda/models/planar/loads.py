@@ -219,7 +219,7 @@ def still_velocity_terms(S, b, v_t, v_n, rate):
 def is_still(S):
     """Return whether the water is still and the form the relative one, in all lanes and with no derivative."""
     differs = False
-    for row, value in ((CURRENT_X, 0.0), (CURRENT_Y, 0.0), (OWN_VELOCITY, 1.0), (KIRCHHOFF, 0.0)):
+    for row, value in STILL_WATER:
         differs |= any_lane((S[row].real != value) | (S[row].imag != 0.0))
     return not differs
 

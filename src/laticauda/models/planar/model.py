@@ -142,8 +142,17 @@ class PlanarPlant(Plant[Planar]):
             return RUN
         return RUN_PRESCRIBED
 
+    @cached_property
+    def _kernels_by_width(self) -> dict[int, Any]:
+        return {}
+
     def kernels_of(self, width: int) -> Any:
         """Return the compiled kernels for `width` trials side by side: a `Kernels`, or those of the library."""
+        if width not in self._kernels_by_width:
+            self._kernels_by_width[width] = self._find_kernels(width)
+        return self._kernels_by_width[width]
+
+    def _find_kernels(self, width: int) -> Any:
         compiled = partial(self._compile_kernels, width)
         if width == 1 and not self.flow.kinds:
             run = kernel_library.find_run(self.run_name, self.law.formula, self.joints.own)

@@ -21,16 +21,17 @@ A template (see `templates`), loaded anew for every specialization of `loads`.
 # pyright: reportCallIssue=false, reportGeneralTypeIssues=false
 
 from laticauda.compiling import compile_scalar, kernel
+from laticauda.compiling.formulas import rows_from
 from laticauda.compiling.functions import sincos
 from laticauda.compiling.templates import bindings
 from laticauda.models.planar import number_types
 from laticauda.models.planar.rows import *
-from laticauda.models.planar.shape import Shape
 
 _specialization = bindings(__name__)
 loads = _specialization["loads"]
 recursion = _specialization["recursion"]
 zero_like = compile_scalar(number_types.zero_like)
+stiff_inertia = rows_from(STIFF_INERTIA, 6)
 
 
 @kernel
@@ -58,18 +59,38 @@ def turned(c, s, x, y):
 
 @kernel
 def compute_shape(S, n):
-    """Return the shape, from ANGLE, RATE and REFERENCE_2 of every joint; set the rows JOINT_COS to ARM_N."""
+    """Set the rows of the shape from ANGLE, RATE and REFERENCE_2 of every joint.
+
+    In the header they are those from TURN on, of a body those from JOINT_COS to ARM_N.
+    """
     zero = zero_like(S[HEADING])
-    c, s = 1.0 + zero, zero
-    arm_t, arm_n = zero, zero
-    rate, acceleration = zero, zero
-    turn, turn_rate, turn_acceleration = zero, zero, zero
-    mean_x, mean_y, mean_vx, mean_vy, mean_ax, mean_ay = zero, zero, zero, zero, zero, zero
-    a00, a01, a02, a11, a12, a22 = zero, zero, zero, zero, zero, zero
+    c = 1.0 + zero
+    s = zero
+    arm_t = zero
+    arm_n = zero
+    rate = zero
+    acceleration = zero
+    turn = zero
+    turn_rate = zero
+    turn_acceleration = zero
+    mean_x = zero
+    mean_y = zero
+    mean_vx = zero
+    mean_vy = zero
+    mean_ax = zero
+    mean_ay = zero
+    a00 = zero
+    a01 = zero
+    a02 = zero
+    a11 = zero
+    a12 = zero
+    a22 = zero
     for i in range(n):
         b = HEADER_ROWS + i * BODY_ROWS
         if i > 0:
-            bend, bend_rate, bend_acceleration = S[b + ANGLE], S[b + RATE], S[b + REFERENCE_2]
+            bend = S[b + ANGLE]
+            bend_rate = S[b + RATE]
+            bend_acceleration = S[b + REFERENCE_2]
             share = S[b + HEADING_SHARE]
             turn += share * bend
             turn_rate += share * bend_rate
@@ -80,114 +101,123 @@ def compute_shape(S, n):
             S[b + JOINT_COS] = joint_c
             S[b + JOINT_SIN] = joint_s
             c, s = c * joint_c - s * joint_s, s * joint_c + c * joint_s
-            arm_t, arm_n = turned(joint_c, joint_s, arm_t + S[b - BODY_ROWS + LENGTH], arm_n)
+            length_behind = S[b - BODY_ROWS + LENGTH]
+            arm_t, arm_n = turned(joint_c, joint_s, arm_t + length_behind, arm_n)
         S[b + SHAPE_COS] = c
         S[b + SHAPE_SIN] = s
         S[b + ARM_T] = arm_t
         S[b + ARM_N] = arm_n
         mean_arm = S[b + MEAN_ARM]
         swing = mean_arm * rate
-        along, across = swing * rate, mean_arm * acceleration
+        along = swing * rate
+        across = mean_arm * acceleration
         mean_x += mean_arm * c
         mean_y += mean_arm * s
         mean_vx -= swing * s
         mean_vy += swing * c
-        mean_ax -= across * s + along * c
-        mean_ay += across * c - along * s
-        mass_t, mass_n = S[b + MASS_T], S[b + MASS_N]
+        mean_ax -= across * s
+        mean_ax -= along * c
+        mean_ay += across * c
+        mean_ay -= along * s
+        mass_t = S[b + MASS_T]
+        mass_n = S[b + MASS_N]
         coupling = S[b + COUPLING]
-        of_rotation_t, of_rotation_n = -mass_t * arm_n, mass_n * arm_t + coupling
-        a00 += S[b + INERTIA] + coupling * arm_t + of_rotation_n * arm_t - of_rotation_t * arm_n
+        of_rotation_t = -mass_t * arm_n
+        of_rotation_n = mass_n * arm_t + coupling
+        a00 += S[b + INERTIA] + coupling * arm_t
+        a00 += of_rotation_n * arm_t - of_rotation_t * arm_n
         a01 += c * of_rotation_t - s * of_rotation_n
         a02 += s * of_rotation_t + c * of_rotation_n
         difference = (mass_n - mass_t) * s
         a11 += mass_t + difference * s
         a12 -= difference * c
         a22 += mass_n - difference * s
-    return Shape(
-        turn,
-        turn_rate,
-        turn_acceleration,
-        mean_x,
-        mean_y,
-        mean_vx,
-        mean_vy,
-        mean_ax,
-        mean_ay,
-        a00,
-        a01,
-        a02,
-        a11,
-        a12,
-        a22,
-    )
+    S[TURN] = turn
+    S[TURN_RATE] = turn_rate
+    S[TURN_ACCELERATION] = turn_acceleration
+    S[MEAN_X] = mean_x
+    S[MEAN_Y] = mean_y
+    S[MEAN_VX] = mean_vx
+    S[MEAN_VY] = mean_vy
+    S[MEAN_AX] = mean_ax
+    S[MEAN_AY] = mean_ay
+    for k, number in enumerate((a00, a01, a02, a11, a12, a22)):
+        S[STIFF_INERTIA + k] = number
 
 
 @kernel
-def accelerations(S, n, shape, is_still, keep_all):
+def accelerations(S, n, is_still, keep_all):
     """Compute the accelerations of heading and center of mass; with `keep_all` also what `holding_torques` needs."""
-    root_s, root_c = sincos(S[HEADING] - shape.turn)
-    spin = S[HEADING_RATE] - shape.turn_rate
+    root_s, root_c = sincos(S[HEADING] - S[TURN])
+    spin = S[HEADING_RATE] - S[TURN_RATE]
     v_x, v_y = turned(root_c, root_s, S[VX] - S[CURRENT_X], S[VY] - S[CURRENT_Y])
-    v_t = v_x - shape.mean_vx + spin * shape.mean_y
-    v_n = v_y - shape.mean_vy - spin * shape.mean_x
+    v_t = v_x - S[MEAN_VX]
+    v_t += spin * S[MEAN_Y]
+    v_n = v_y - S[MEAN_VY]
+    v_n -= spin * S[MEAN_X]
     V_x, V_y = turned(root_c, root_s, S[CURRENT_X], S[CURRENT_Y])
     zero = zero_like(spin)
-    rate, acceleration, a_t, a_n = spin, zero, zero, zero
-    p0, p1, p2 = zero, zero, zero
+    rate = spin
+    acceleration = zero
+    a_t = zero
+    a_n = zero
+    p0 = zero
+    p1 = zero
+    p2 = zero
     for i in range(n):
         b = HEADER_ROWS + i * BODY_ROWS
-        joint_c, joint_s = S[b + JOINT_COS], S[b + JOINT_SIN]
+        joint_c = S[b + JOINT_COS]
+        joint_s = S[b + JOINT_SIN]
         v_t, v_n = turned(joint_c, joint_s, v_t, v_n)
         a_t, a_n = turned(joint_c, joint_s, a_t, a_n)
         rate += S[b + RATE]
         acceleration += S[b + REFERENCE_2]
-        c, s = S[b + SHAPE_COS], S[b + SHAPE_SIN]
+        c = S[b + SHAPE_COS]
+        s = S[b + SHAPE_SIN]
         if is_still:
             f_t, f_n, moment = loads.still_velocity_terms(S, b, v_t, v_n, rate)
         else:
             V_t, V_n = turned(c, s, V_x, V_y)
             f_t, f_n, moment = loads.uniform_velocity_terms(S, b, V_t, V_n, v_t, v_n, rate)
         x = S[b + CENTER + POSITION_OF]
-        drag_t, drag_n, drag_moment = loads.drag_at(S, b + CENTER, x, (v_t, v_n + x * rate, rate))
+        velocity = v_t, v_n + x * rate, rate
+        drag_t, drag_n, drag_moment = loads.drag_at(S, b + CENTER, x, velocity)
         coupling = S[b + COUPLING]
         square = rate * rate
-        g_t = S[b + MASS_T] * a_t - S[b + CENTRIPETAL] * square - (f_t + drag_t)
-        g_n = S[b + MASS_N] * a_n + coupling * acceleration - (f_n + drag_n)
-        g = S[b + INERTIA] * acceleration + coupling * a_n - (moment + drag_moment)
+        g_t = S[b + MASS_T] * a_t - S[b + CENTRIPETAL] * square
+        g_t -= f_t + drag_t
+        g_n = S[b + MASS_N] * a_n + coupling * acceleration
+        g_n -= f_n + drag_n
+        g = S[b + INERTIA] * acceleration + coupling * a_n
+        g -= moment + drag_moment
         if keep_all:
             S[b + P0] = g
             S[b + P1] = g_t
             S[b + P2] = g_n
-        p0 += g + S[b + ARM_T] * g_n - S[b + ARM_N] * g_t
+        p0 += g
+        p0 += S[b + ARM_T] * g_n - S[b + ARM_N] * g_t
         p1 += c * g_t - s * g_n
         p2 += s * g_t + c * g_n
         length = S[b + LENGTH]
         v_n += length * rate
         a_t -= length * square
         a_n += length * acceleration
-    _, _, _, _, _, _, _, _, _, a00, a01, a02, a11, a12, a22 = shape
-    rotation, q_x, q_y = recursion.solved((a00, a01, a02, a11, a12, a22, p0, p1, p2))
+    rotation, q_x, q_y = recursion.solved((*stiff_inertia(S), p0, p1, p2))
     if keep_all:
         S[HEADER_ROWS + LINK_ACCELERATION] = rotation
         S[HEADER_ROWS + QX] = q_x
         S[HEADER_ROWS + QY] = q_y
-    S[HEADING_ACCELERATION] = rotation + shape.turn_acceleration
-    square, twice = spin * spin, 2.0 * spin
-    c_x = (
-        q_x
-        + shape.mean_ax
-        - rotation * shape.mean_y
-        - twice * shape.mean_vy
-        - square * shape.mean_x
-    )
-    c_y = (
-        q_y
-        + shape.mean_ay
-        + rotation * shape.mean_x
-        + twice * shape.mean_vx
-        - square * shape.mean_y
-    )
+    S[HEADING_ACCELERATION] = rotation + S[TURN_ACCELERATION]
+    square = spin * spin
+    twice = 2.0 * spin
+    c_x = q_x + S[MEAN_AX]
+    c_x -= rotation * S[MEAN_Y]
+    c_x -= square * S[MEAN_X]
+    c_x -= twice * S[MEAN_VY]
+    c_y = q_y + S[MEAN_AY]
+    c_y += rotation * S[MEAN_X]
+    c_y -= square * S[MEAN_Y]
+    c_y += twice * S[MEAN_VX]
     S[AX], S[AY] = turned(root_c, -root_s, c_x, c_y)
 
 
@@ -198,9 +228,13 @@ def holding_torques(S, n):
     It is the moment about the joint of all bodies ahead.
     """
     b = HEADER_ROWS
-    spin, q_x, q_y = S[b + LINK_ACCELERATION], S[b + QX], S[b + QY]
+    spin = S[b + LINK_ACCELERATION]
+    q_x = S[b + QX]
+    q_y = S[b + QY]
     zero = zero_like(spin)
-    moment, f_t, f_n = zero, zero, zero
+    moment = zero
+    f_t = zero
+    f_n = zero
     for k in range(n - 1):
         b = HEADER_ROWS + (n - 1 - k) * BODY_ROWS
         a_t, a_n = turned(S[b + SHAPE_COS], S[b + SHAPE_SIN], q_x, q_y)
@@ -208,8 +242,11 @@ def holding_torques(S, n):
         a_n += S[b + ARM_T] * spin
         coupling = S[b + COUPLING]
         moment += S[b + LENGTH] * f_n  # the force of the bodies ahead acts at the head end
-        moment += S[b + P0] + S[b + INERTIA] * spin + coupling * a_n
-        f_t += S[b + P1] + S[b + MASS_T] * a_t
-        f_n += S[b + P2] + S[b + MASS_N] * a_n + coupling * spin
+        moment += S[b + P0]
+        moment += S[b + INERTIA] * spin + coupling * a_n
+        f_t += S[b + P1]
+        f_t += S[b + MASS_T] * a_t
+        f_n += S[b + P2]
+        f_n += S[b + MASS_N] * a_n + coupling * spin
         S[b + TOTAL_TORQUE] = moment
         f_t, f_n = turned(S[b + JOINT_COS], -S[b + JOINT_SIN], f_t, f_n)

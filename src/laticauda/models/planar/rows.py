@@ -106,6 +106,9 @@ N_KNOTS = _header.take()
 FLOW = _header.take()
 HEIGHT = _header.take()  # height of the body's axis above the mean surface, for the flow [m]
 
+STILL_WATER = ((CURRENT_X, 0.0), (CURRENT_Y, 0.0), (OWN_VELOCITY, 1.0), (KIRCHHOFF, 0.0))
+"""Rows and their values in still water, with the relative form of the added mass."""
+
 # --- Header: state, which a step carries on; these rows begin every sample of the log, in this order ---
 TIME = _header.take()  # [s]
 TIME_REST = _header.take()  # accumulated rounding error of TIME (Kahan summation) [s]
@@ -158,6 +161,18 @@ SAMPLES = _header.take()  # number of samples logged until then
 SAVED = _header.take(BASE_ROWS)  # the base's state at the start of a step
 SLOPES = _header.take(MOST_STAGES * BASE_ROWS)  # slopes of the base's state in each stage
 EDGE_MEMORY_RATE = _header.take()  # dz/dt [m/s^2]
+# the shape, see `prescribed`: how heading, center of mass and inertia follow from body 0, in its axes
+TURN = _header.take()  # mean angle of the links from body 0 [rad]
+TURN_RATE = _header.take()  # its rate [rad/s]
+TURN_ACCELERATION = _header.take()  # the rate of that [rad/s^2]
+MEAN_X = _header.take()  # center of mass from the tail end of body 0 [m]
+MEAN_Y = _header.take()
+MEAN_VX = _header.take()  # its rate while body 0 is held [m/s]
+MEAN_VY = _header.take()
+MEAN_AX = _header.take()  # the rate of that [m/s^2]
+MEAN_AY = _header.take()
+# inertia of the stiff robot about that tail end, added mass included: 00, 01, 02, 11, 12, 22
+STIFF_INERTIA = _header.take(6)
 TETHER_WATER = _header.take(WATER_ROWS)  # motion of the water at the tether
 WAKE_WATER = _header.take(WATER_ROWS)  # motion of the water at the trailing edge
 

@@ -138,41 +138,41 @@ def run_prescribed(
 
 @kernel
 def march_prescribed(S, n, law, tail_link, is_still, steps, dt, every, log):
-    """Run RK5 as `run` does; the shape is that of the last stage's time."""
-    drives.set_decay(S, generator_step_of(RK5, dt))
+    """Run RK5 as `run` does; one loop over all stages, because a stage is compiled into every place that calls it."""
+    generator_step = generator_step_of(RK5, dt)
+    drives.set_decay(S, generator_step)
     drives.set_reference(S, n, law, tail_link)
-    shape = prescribed.compute_shape(S, n)
     S[WELL] = 1.0
     S[SAMPLES] = 0.0
     written = 0
-    for step in range(steps + 1):
-        prescribed.accelerations(S, n, shape, is_still, True)
-        prescribed.holding_torques(S, n)
-        drives.count_work(S, n, law, 0.0 if step == 0 else work_step_of(RK5, dt))
-        if step % every == 0:
-            write_sample(S, n, rows_of(log[step // every]), log.shape[1])
-            S[WELL] = where(is_within_bounds(S, n), S[WELL], 0.0)
-            if not any_lane(S[WELL].real > 0.0):
-                break
-            S[SAMPLES] += S[WELL]
-            written += 1
-        if step == steps:
-            break
-        for r in range(BASE_ROWS):
-            S[SAVED + r] = S[HEADING + r]
-        for stage in range(RK5_STAGES - 1):
+    for evaluation in range(RK5_STAGES * steps + 1):
+        step, stage = evaluation // RK5_STAGES, evaluation % RK5_STAGES
+        is_later = stage != 0 and stage != SAME_TIME + 1
+        if is_later:
+            drives.advance_reference(S, n, law, tail_link, generator_step)
+        if is_later or evaluation == 0:
+            prescribed.compute_shape(S, n)
+        counts = stage == 0 or stage == MIDDLE + 1
+        prescribed.accelerations(S, n, is_still, counts)
+        if counts:
+            prescribed.holding_torques(S, n)
+            since_counted = work_step_of(RK5, dt)
+            if evaluation == 0:
+                since_counted = 0.0
+            drives.count_work(S, n, law, since_counted)
+        if stage == 0:
+            if step % every == 0:
+                write_sample(S, n, rows_of(log[step // every]), log.shape[1])
+                S[WELL] = where(is_within_bounds(S, n), S[WELL], 0.0)
+                if not any_lane(S[WELL].real > 0.0):
+                    break
+                S[SAMPLES] += S[WELL]
+                written += 1
+            for r in range(BASE_ROWS):
+                S[SAVED + r] = S[HEADING + r]
+        if step < steps:
             keep_slope(S, stage)
             step_ahead(S, dt, WEIGHTS[stage], stage + 1)
-            if stage != SAME_TIME:
-                drives.advance_reference(S, n, law, tail_link, generator_step_of(RK5, dt))
-                shape = prescribed.compute_shape(S, n)
-            is_middle = stage == MIDDLE
-            prescribed.accelerations(S, n, shape, is_still, is_middle)
-            if is_middle:
-                prescribed.holding_torques(S, n)
-                drives.count_work(S, n, law, work_step_of(RK5, dt))
-        keep_slope(S, RK5_STAGES - 1)
-        step_ahead(S, dt, WEIGHTS[RK5_STAGES - 1], RK5_STAGES)
     return written
 
 

@@ -63,7 +63,7 @@ def scenarios_of_batch(
     start_per_trial = _one_per_trial("starts", starts, n_trials, Start)
     environment_per_trial: Sequence[Environment]
     if environments is None:
-        environment_per_trial = list(map(default_water, robot_per_trial, gait_per_trial))
+        environment_per_trial = _default_waters(robot_per_trial, gait_per_trial)
     else:
         environment_per_trial = _one_per_trial(
             "environments", environments, n_trials, Water, Ground
@@ -81,6 +81,18 @@ def scenarios_of_batch(
             robot_per_trial, gait_per_trial, environment_per_trial, start_per_trial, strict=True
         )
     ]
+
+
+def _default_waters(robots: Sequence[Robot], gaits: Sequence[Gait]) -> list[Environment]:
+    """Return the default water of every trial, asked for once per robot and kind of envelope."""
+    waters: dict[tuple[int, type], Environment] = {}
+    water_per_trial: list[Environment] = []
+    for robot, gait in zip(robots, gaits, strict=True):
+        key = id(robot), type(gait.envelope)
+        if key not in waters:
+            waters[key] = default_water(robot, gait)
+        water_per_trial.append(waters[key])
+    return water_per_trial
 
 
 class _PlantKey(NamedTuple):

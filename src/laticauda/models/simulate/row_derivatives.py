@@ -34,6 +34,10 @@ CENTRAL: Weights = {
     -4: 1 / 280,
 }
 """Eighth order."""
+INNER_POINTS = (1, -1, 2, -2)
+"""Points of `CENTRAL` that are enough for numbers that enter by polynomials of second degree, which most do."""
+ROUNDING = 8.0 * 2.0**-52
+"""Share of a row by which two differences may differ for a polynomial of second degree, times the step [-]."""
 FORWARD: Weights = {0: -25 / 12, 1: 4.0, 2: -3.0, 3: 4 / 3, 4: -1 / 4}
 """Fourth order, for a number at the lower end of its range."""
 BACKWARD: Weights = {-point: -weight for point, weight in FORWARD.items()}
@@ -127,18 +131,57 @@ def differentiate_rows(run: Run, number: Number, central: Weights) -> RowDerivat
         for share in STEP_SHARES:
             step = share * magnitude
             try:
-                inputs = {point: _input_after(run, number, point * step) for point in weights}
+                derivative = _difference(run, number, weights, step)
             except ValueError as error:
                 refusal = error
                 continue
-            n_rows = {run_input.rows.size for run_input in inputs.values()}
-            if n_rows == {run.rows.size}:
-                return _weighted_sum(inputs, weights, step)
+            if derivative is not None:
+                return derivative
     reason = ", but the number of fin strips depends on it there."
     if refusal is not None:
         reason = f": {refusal}"
     rule = "`parameters` must be numbers that can vary slightly"
     raise ValueError(f"{rule}; `{number.name}` is {number.value:g}{reason}")
+
+
+def _difference(run: Run, number: Number, weights: Weights, step: float) -> RowDerivative | None:
+    """Return the difference of what figures are computed from; None if the count of the rows changes.
+
+    Raises:
+        ValueError: If a value is out of the number's range.
+    """
+    inputs: dict[int, _RunInput] = {}
+    if weights is CENTRAL:
+        for point in INNER_POINTS:
+            inputs[point] = _input_after(run, number, point * step)
+        if _have_rows_of(inputs, run):
+            derivative = _of_second_degree(inputs, step)
+            if derivative is not None:
+                return derivative
+    for point in weights:
+        if point not in inputs:
+            inputs[point] = _input_after(run, number, point * step)
+    if not _have_rows_of(inputs, run):
+        return None
+    return _weighted_sum(inputs, weights, step)
+
+
+def _have_rows_of(inputs: Mapping[int, _RunInput], run: Run) -> bool:
+    n_rows = {run_input.rows.size for run_input in inputs.values()}
+    return n_rows == {run.rows.size}
+
+
+def _of_second_degree(inputs: Mapping[int, _RunInput], step: float) -> RowDerivative | None:
+    """Return the derivative if two differences agree to rounding, as for polynomials of second degree; else None."""
+    near = _weighted_sum({1: inputs[1], -1: inputs[-1]}, {1: 0.5, -1: -0.5}, step)
+    far = _weighted_sum(inputs, {2: 0.25, -2: -0.25}, step)
+    size = np.maximum(np.abs(inputs[2].rows), np.abs(inputs[-2].rows))
+    size_of_weight = max(abs(inputs[2].weight), abs(inputs[-2].weight))
+    if np.any(np.abs(near.rows - far.rows) > ROUNDING / step * size):
+        return None
+    if abs(near.weight - far.weight) > ROUNDING / step * size_of_weight:
+        return None
+    return far
 
 
 def _weighted_sum(inputs: Mapping[int, _RunInput], weights: Weights, step: float) -> RowDerivative:

@@ -56,6 +56,8 @@ def _water_velocity(run: Run, block: Block, i: int) -> Inexact[np.ndarray, "n_sa
         return None
     if water.flow is not None:
         return _flow_velocity(run, water, block, i)
+    if run.slope is None and water.is_still:
+        return None
     velocity = np.array(water.uniform[:2], dtype=block.work.dtype)
     if run.slope is not None:
         velocity = velocity + 1j * STEP * run.slope[_CURRENT]

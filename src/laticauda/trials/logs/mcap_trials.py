@@ -117,7 +117,7 @@ class McapFile(Format):
             rows = rows_by_name[name]
             if describe_series(name).dimensions == ("time",):
                 return np.array(rows).reshape(len(rows))
-            return np.array(rows).reshape(len(rows), *rows[0].shape)
+            return np.array(rows).reshape(len(rows), *np.shape(rows[0]))
 
         return assembled(read_series, json.loads(recording.metadata[METADATA]["trial"]))
 
@@ -176,7 +176,8 @@ def _extract_values(message: Logged) -> list[_NamedValues]:
         values = message.content["data"]
         if message.kind == "std_msgs/Float64MultiArray":
             shape = [dimension["size"] for dimension in message.content["layout"]["dim"]]
-            values = values.reshape(shape)
+            # Of a robot without joints, no number comes, and not as an array.
+            values = np.asarray(values, dtype=float).reshape(shape)
         return [_NamedValues(name=message.topic.removeprefix(PREFIX), values=values)]
     return [
         _NamedValues(name=name, values=message.content[joint_field.field])

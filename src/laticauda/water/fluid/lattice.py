@@ -305,12 +305,12 @@ def influence(x: np.ndarray, z: np.ndarray, rings: Rings) -> np.ndarray:
 
 def _ring(x: np.ndarray, z: np.ndarray, rings: Rings) -> np.ndarray:
     """Return the normal velocity by rings, counter-clockwise."""
-    a, b, d, c, below, above = rings
+    below, above = rings.below, rings.above
     return (
-        _segment(x, z, a, below, b, below)
-        + _segment(x, z, b, below, c, above)
-        + _segment(x, z, c, above, d, above)
-        + _segment(x, z, d, above, a, below)
+        _segment(x, z, rings.front_below, below, rings.back_below, below)
+        + _segment(x, z, rings.back_below, below, rings.back_above, above)
+        + _segment(x, z, rings.back_above, above, rings.front_above, above)
+        + _segment(x, z, rings.front_above, above, rings.front_below, below)
     )
 
 
