@@ -20,7 +20,22 @@ from laticauda.values.errors import BadArgument
 ENTRY_POINTS = "laticauda."
 """Prefix of the entry-point groups; the group of drag laws is ``laticauda.drag_laws``."""
 HOMES: Mapping[str, Mapping[str, str]] = {
+    "behaviours": {
+        "follow-wall": "laticauda.missions.behaviours.walls",
+        "rest": "laticauda.missions.behaviours.routes",
+        "search": "laticauda.missions.behaviours.routes",
+        "swim-into-dock": "laticauda.missions.behaviours.docking",
+        "swim-route": "laticauda.missions.behaviours.routes",
+        "swim-straight": "laticauda.missions.behaviours.routes",
+    },
+    "conditions": {
+        "battery-low": "laticauda.missions.phases",
+        "position-unsure": "laticauda.missions.phases",
+        "sensor-heard": "laticauda.missions.phases",
+        "sensor-silent": "laticauda.missions.phases",
+    },
     "controllers": {
+        "mission": "laticauda.missions.mission",
         "path-following": "laticauda.control.path_following",
         "spatial-path-following": "laticauda.control.spatial_path_following",
         "model-predictive": "laticauda.control.mpc.predictive",

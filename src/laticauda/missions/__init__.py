@@ -1,0 +1,87 @@
+"""Missions: a robot finds, inspects and docks by what its sensors tell.
+
+estimate.py    what a robot believes of itself and of the water
+posture.py     where the middle of its body is, seen from the head
+navigation.py  from readings of sensors to what it believes
+steering.py    what a behaviour wants, and the helm
+behaviours     what it does in a phase
+phases.py      phases, and conditions that end them
+mission.py     the table of phases, which is a controller
+running.py     a run of a mission, and what came of it
+"""
+
+from typing import TYPE_CHECKING
+
+from laticauda.values import lazy_exports
+
+if TYPE_CHECKING:
+    from laticauda.missions.behaviours import (
+        Behaviour as Behaviour,
+        FollowWall as FollowWall,
+        Rest as Rest,
+        Search as Search,
+        SwimIntoDock as SwimIntoDock,
+        SwimRoute as SwimRoute,
+        SwimStraight as SwimStraight,
+    )
+    from laticauda.missions.estimate import Echo as Echo, Estimate as Estimate
+    from laticauda.missions.mission import (
+        Avoidance as Avoidance,
+        Mission as Mission,
+        Way as Way,
+    )
+    from laticauda.missions.navigation import Navigation as Navigation
+    from laticauda.missions.phases import (
+        BatteryLow as BatteryLow,
+        Condition as Condition,
+        Phase as Phase,
+        PositionUnsure as PositionUnsure,
+        SensorHeard as SensorHeard,
+        SensorSilent as SensorSilent,
+        Transition as Transition,
+    )
+    from laticauda.missions.running import (
+        MissionResult as MissionResult,
+        PhaseChange as PhaseChange,
+        judge_mission as judge_mission,
+        read_changes as read_changes,
+        run_mission as run_mission,
+        run_missions as run_missions,
+    )
+    from laticauda.missions.steering import Helm as Helm, Steering as Steering
+
+__getattr__, __dir__, __all__ = lazy_exports(
+    __name__,
+    {
+        "laticauda.missions.behaviours": [
+            "Behaviour",
+            "FollowWall",
+            "Rest",
+            "Search",
+            "SwimIntoDock",
+            "SwimRoute",
+            "SwimStraight",
+        ],
+        "laticauda.missions.estimate": ["Echo", "Estimate"],
+        "laticauda.missions.mission": ["Avoidance", "Mission", "Way"],
+        "laticauda.missions.navigation": ["Navigation"],
+        "laticauda.missions.phases": [
+            "BatteryLow",
+            "Condition",
+            "Phase",
+            "PositionUnsure",
+            "SensorHeard",
+            "SensorSilent",
+            "Transition",
+        ],
+        "laticauda.missions.running": [
+            "MissionResult",
+            "PhaseChange",
+            "judge_mission",
+            "read_changes",
+            "run_mission",
+            "run_missions",
+        ],
+        "laticauda.missions.steering": ["Helm", "Steering"],
+    },
+)

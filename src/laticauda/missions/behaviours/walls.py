@@ -1,0 +1,122 @@
+"""Distance keeping by sonar along a net, a wall or a pipe."""
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+from laticauda.missions.behaviours.behaviour import Behaviour, Outcome
+from laticauda.missions.estimate import Echo, Estimate
+from laticauda.missions.steering import Steering
+from laticauda.values import option, quantity, value_class
+from laticauda.values.angles import wrapped
+
+SMOOTHING = 1.5
+"""Time over which distance and direction of the wall are averaged, about a cycle [s]."""
+TURN_SMOOTHING = 5.0
+"""Time over which the wall's turning is averaged [s]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class WallState:
+    """What is known of the wall, averaged over a cycle."""
+
+    time: float
+    """Time of the last control instant [s]."""
+    seen_at: float
+    """When the wall was last seen [s]."""
+    direction: float | None = None
+    """Direction from the robot to the wall, unwrapped; None: not yet seen [rad]."""
+    distance: float = 0.0
+    """Distance of the middle of the body from the wall [m]."""
+    turn_rate: float = 0.0
+    """How fast its direction turns [rad/s]."""
+    turned: float = 0.0
+    """By how much it has turned since it was first seen, positive to the left [rad]."""
+    travelled: float = 0.0
+    """Way along it [m]."""
+
+
+@value_class
+class FollowWall(Behaviour[WallState]):
+    """Swims along a wall at a distance: around a pen for some turns, or along a wall or pipe for a length."""
+
+    side: Literal["left", "right"] = option("On which side the wall is", default="left")
+    distance: float = quantity(
+        "m", "Distance of the middle of the body from it", gt=0.0, default=1.3
+    )
+    look_ahead: float = quantity(
+        "m", "Distance ahead at which it aims to be right", gt=0.0, default=1.5
+    )
+    turns: float = quantity("", "Done after so many turns around it", gt=0.0, default=1.1)
+    length: float = quantity("m", "Done after so long a way along it", gt=0.0, default=math.inf)
+    lost_after: float = quantity(
+        "s", "It has failed if the wall is not seen for so long", gt=0.0, default=6.0
+    )
+
+    def begin(self, estimate: Estimate) -> WallState:
+        """See `Behaviour`."""
+        return WallState(time=estimate.time, seen_at=estimate.time)
+
+    def steer(self, state: WallState, estimate: Estimate) -> tuple[WallState, Steering]:
+        """See `Behaviour`."""
+        elapsed = estimate.time - state.time
+        echo = estimate.nearest_echo
+        if echo is None:
+            state = _replace_time(state, estimate.time)
+        else:
+            state = _see_wall(state, echo, estimate, elapsed)
+        if state.direction is None:
+            return state, Steering(heading=estimate.heading)
+        side = self._side
+        course_along = state.direction - side * 0.5 * math.pi
+        correction = math.atan2(state.distance - self.distance, self.look_ahead)
+        course = course_along + side * correction
+        return state, Steering(course=course, turn_rate=state.turn_rate)
+
+    @property
+    def _side(self) -> float:
+        """1 for a wall to the left, -1 to the right."""
+        return 1.0 if self.side == "left" else -1.0
+
+    def outcome(self, state: WallState, estimate: Estimate) -> Outcome | None:
+        """See `Behaviour`."""
+        has_turned = self._side * state.turned >= 2.0 * math.pi * self.turns
+        if has_turned or state.travelled >= self.length:
+            return "done"
+        if estimate.time - state.seen_at > self.lost_after:
+            return "failed"
+        return None
+
+
+def _replace_time(state: WallState, time: float) -> WallState:
+    """Return a state in which nothing but the time has changed: the wall is not seen."""
+    return WallState(**{**vars(state), "time": time})
+
+
+def _see_wall(state: WallState, echo: Echo, estimate: Estimate, elapsed: float) -> WallState:
+    """Return the state after the nearest echo: the wall is the line through it, across its direction."""
+    direction = estimate.head_heading + echo.bearing
+    to_echo_x = echo.x - estimate.position[0]
+    to_echo_y = echo.y - estimate.position[1]
+    distance = to_echo_x * math.cos(direction) + to_echo_y * math.sin(direction)
+    is_fresh = estimate.silence.get("sonar", 0.0) <= elapsed
+    seen_at = estimate.time if is_fresh else state.seen_at
+    if state.direction is None:
+        return WallState(
+            time=estimate.time, seen_at=seen_at, direction=direction, distance=distance
+        )
+    share = min(elapsed / SMOOTHING, 1.0)
+    turn = share * wrapped(direction - state.direction)
+    turn_share = min(elapsed / TURN_SMOOTHING, 1.0)
+    turn_rate = state.turn_rate + turn_share * (turn / max(elapsed, 1e-6) - state.turn_rate)
+    along = state.direction - 0.5 * math.pi
+    speed_along = estimate.velocity[0] * math.cos(along) + estimate.velocity[1] * math.sin(along)
+    return WallState(
+        time=estimate.time,
+        seen_at=seen_at,
+        direction=state.direction + turn,
+        distance=state.distance + share * (distance - state.distance),
+        turn_rate=turn_rate,
+        turned=state.turned + turn,
+        travelled=state.travelled + abs(speed_along) * elapsed,
+    )

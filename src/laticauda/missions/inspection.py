@@ -1,0 +1,108 @@
+"""What came of a run, by what is true of it: how near the body came to places, and what was seen of a net."""
+
+import math
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from laticauda.robot import kinematics
+from laticauda.scenarios import Scenario
+from laticauda.sensing import Dock, Net, Place, Sonar, surroundings_of
+from laticauda.trials import Trial
+
+POINTS_PER_PANEL = 8
+"""Points of a panel of which it is asked whether they were seen."""
+LARGEST_INCIDENCE = math.radians(60.0)
+"""Largest angle between a ray and the net's normal at which a point counts as seen [rad]."""
+
+
+def measure_clearance(trial: Trial) -> float:
+    """Return how near the surface of the body came to places, docks left out; negative: it went through [m].
+
+    Args:
+        trial: The run.
+    """
+    places = tuple(place for place in _scenario_of(trial).model.places if not isinstance(place, Dock))
+    if not places:
+        return math.inf
+    robot = trial.robot.planar()
+    posture = kinematics.Posture(robot, trial.center_of_mass[:, :2], trial.link_angle)
+    lines = np.concatenate((posture.link_ends, posture.link_centers), axis=1)
+    points = lines.reshape(-1, 2)
+    depth = np.zeros((len(points), 1))
+    distances = surroundings_of(places).distances(np.concatenate((points, depth), axis=1))
+    half_width = max(module.section.half_width for module in robot.modules)
+    return float(np.min(distances)) - half_width
+
+
+def measure_share_seen(trial: Trial, net: Net, sonar: Sonar) -> float:
+    """Return the share of a net's circumference that the sonar saw, within its range and 60 deg of incidence.
+
+    Args:
+        trial: The run.
+        net: The net.
+        sonar: The sonar.
+    """
+    points, normals = _points_of_net(net)
+    head, heading = _head_of(trial)
+    is_seen = np.zeros(len(points), dtype=bool)
+    for position, direction in zip(head, heading.tolist(), strict=True):
+        is_seen |= _sees(position, direction, points, normals, sonar)
+    return float(np.mean(is_seen))
+
+
+def _sees(
+    head: Float[np.ndarray, " 2"],
+    heading: float,
+    points: Float[np.ndarray, "n 2"],
+    normals: Float[np.ndarray, "n 2"],
+    sonar: Sonar,
+) -> Bool[np.ndarray, " n"]:
+    """Return which points the sonar sees from one pose of the head."""
+    to_points = points - head
+    distance = np.linalg.norm(to_points, axis=1)
+    bearing = np.arctan2(to_points[:, 1], to_points[:, 0]) - heading
+    bearing = np.angle(np.exp(1j * bearing))
+    half_width = 0.5 * sonar.beam_width
+    in_fan = (bearing >= min(sonar.beams) - half_width) & (bearing <= max(sonar.beams) + half_width)
+    cosine = -np.sum(to_points * normals, axis=1) / distance
+    return in_fan & (distance <= sonar.largest_range) & (cosine >= math.cos(LARGEST_INCIDENCE))
+
+
+def _points_of_net(net: Net) -> tuple[np.ndarray, np.ndarray]:
+    """Return points along a net and its outward normals there."""
+    corners = np.array(net.corners)
+    spans = np.roll(corners, -1, axis=0) - corners
+    shares = (np.arange(POINTS_PER_PANEL) + 0.5) / POINTS_PER_PANEL
+    points = corners[:, np.newaxis] + shares[:, np.newaxis] * spans[:, np.newaxis]
+    outward = np.stack((spans[:, 1], -spans[:, 0]), axis=1)
+    outward /= np.linalg.norm(outward, axis=1, keepdims=True)
+    return points.reshape(-1, 2), np.repeat(outward, POINTS_PER_PANEL, axis=0)
+
+
+def _head_of(trial: Trial) -> tuple[np.ndarray, np.ndarray]:
+    """Return where the tip of the head is [m], and where it points [rad], at every sample."""
+    robot = trial.robot.planar()
+    posture = kinematics.Posture(robot, trial.center_of_mass[:, :2], trial.link_angle)
+    return posture.link_ends[:, -1], trial.link_angle[:, -1]
+
+
+def find_place(places: tuple[Place, ...], kind: type[Place]) -> Place | None:
+    """Return the first place of a kind; None if there is none.
+
+    Args:
+        places: The places.
+        kind: The kind.
+    """
+    for place in places:
+        if isinstance(place, kind):
+            return place
+    return None
+
+
+def _scenario_of(trial: Trial) -> Scenario:
+    """Return what was run."""
+    scenario = trial.scenario
+    if not isinstance(scenario, Scenario):
+        raise ValueError("A mission's trial must be that of a scenario.")
+    return scenario

@@ -1,0 +1,337 @@
+"""Navigation: from what sensors tell to what the robot believes.
+
+The direction of the head comes from the gyro, held by the compass. Its velocity is that of the Doppler log;
+what the body's own swing adds to it is known from the joints' encoders, so the velocity of the middle
+remains. Its sum is the position, which the acoustic beacon corrects. The velocity over ground less that
+through the water is the current. A sensor that tells exactly the same again counts as silent: noise
+never repeats.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from laticauda.missions.estimate import Echo, Estimate
+from laticauda.missions.posture import Posture, bend_of_head, find_posture
+from laticauda.scenarios import Observation
+from laticauda.sensing import Reading
+from laticauda.values import option, quantity, value_class
+from laticauda.values.angles import wrapped
+from laticauda.values import BadArgument
+
+COMPASS_SHARE = 0.2
+"""Share of the difference between compass and gyro that is corrected at once [-]."""
+CURRENT_TIME = 10.0
+"""Time over which the current is averaged, longer than the period of waves [s]."""
+DRIFT = 0.02
+"""Growth of the position's standard deviation with the root of time, with Doppler velocity [m/s^0.5]."""
+BLIND_DRIFT = 0.1
+"""The same without it [m/s^0.5]."""
+GATE = 4.0
+"""Standard deviations by which a fix may be off; farther ones are not believed at first [-]."""
+MOST_REFUSED = 5
+"""Fixes that are refused in a row; the next one is believed."""
+FIRST_STD = 3.0
+"""Standard deviation of the position before the first fix [m]."""
+FIX_NOISE = (0.05, 0.02)
+"""Standard deviation of a fix: constant [m], and share of the distance [-]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class NavigationState:
+    """What navigation keeps from one control instant to the next."""
+
+    estimate: Estimate | None = None
+    head_rate: float | None = None
+    """Last rate of the gyro; None if it is silent [rad/s]."""
+    velocity: tuple[float, float] = (0.0, 0.0)
+    """Velocity of the middle over ground, not averaged [m/s]."""
+    n_refused: int = 0
+    """Fixes refused in a row."""
+    n_of_current: int = 0
+    """Measurements of the current so far."""
+    headings: tuple[tuple[float, float], ...] = ()
+    """Times and headings of the last cycle [s, rad]."""
+    heard_at: Mapping[str, float] = field(default_factory=dict[str, float])
+    """When each sensor last told something new [s]."""
+    last_values: Mapping[str, tuple[float, ...]] = field(
+        default_factory=dict[str, tuple[float, ...]]
+    )
+    """What it told."""
+
+
+@value_class
+class Navigation:
+    """Dead reckoning by Doppler velocity, gyro and compass, corrected by an acoustic beacon."""
+
+    beacon: tuple[float, float] = quantity("m", "x and y of the beacon", default=(0.0, 0.0))
+    start: tuple[float, float] = quantity(
+        "m", "Where the robot is believed to start", default=(0.0, 0.0)
+    )
+    body_length: float = quantity("m", "Length of the body without its fin", gt=0.0, default=1.62)
+    swim_speed: float = quantity(
+        "m/s", "Speed through the water, where no sensor tells it", gt=0.0, default=0.2
+    )
+    beams: tuple[float, ...] = quantity("rad", "Directions of the sonar's beams", default=())
+    compass: str = option("Name of the compass", default="compass")
+    inertial: str = option("Name of the inertial unit", default="inertial")
+    ground_velocity: str = option("Name of the Doppler log over ground", default="velocity")
+    water_velocity: str = option("Name of that through the water", default="water_velocity")
+    position: str = option("Name of the acoustic position", default="beacon")
+    sonar: str = option("Name of the sonar", default="sonar")
+    battery: str = option("Name of the battery gauge", default="battery")
+
+    def init(self) -> NavigationState:
+        """Return the state before the first control instant."""
+        return NavigationState()
+
+    def step(
+        self, state: NavigationState, observation: Observation, cycle: float
+    ) -> NavigationState:
+        """Return the state after an observation, of which only readings and joints are used.
+
+        Args:
+            state: The state before.
+            observation: The observation.
+            cycle: Period of the gait, over which headings are averaged [s].
+        """
+        return _Instant(self, state, observation, cycle).state_after()
+
+
+class _Instant:
+    """One control instant of navigation: what is fresh, and what follows from it.
+
+    Args:
+        navigation: The settings.
+        state: The state before.
+        observation: The observation.
+        cycle: Period of the gait [s].
+    """
+
+    def __init__(
+        self,
+        navigation: Navigation,
+        state: NavigationState,
+        observation: Observation,
+        cycle: float,
+    ) -> None:
+        self._navigation = navigation
+        self._before = state
+        self._cycle = cycle
+        self._time = float(observation.time)
+        self._joint_angle: list[float] = observation.joint_angle.tolist()
+        self._joint_rate: list[float] = observation.joint_rate.tolist()
+        self._heard_at = dict(state.heard_at)
+        self._last_values = dict(state.last_values)
+        self._fresh: dict[str, list[float]] = {}
+        for name, reading in observation.readings.items():
+            self._take(name, reading)
+
+    def _take(self, name: str, reading: Reading) -> None:
+        """Take a reading, unless it is old or the same again."""
+        self._heard_at.setdefault(name, self._time)
+        if not reading.is_new:
+            return
+        values: list[float] = reading.values.tolist()
+        is_stuck = tuple(values) == self._last_values.get(name) and name != "latch"
+        if is_stuck:
+            return
+        self._last_values[name] = tuple(values)
+        self._heard_at[name] = self._time
+        self._fresh[name] = values
+
+    @property
+    def _elapsed(self) -> float:
+        """Time since the control instant before; 0 at the first [s]."""
+        estimate = self._before.estimate
+        if estimate is None:
+            return 0.0
+        return self._time - estimate.time
+
+    def state_after(self) -> NavigationState:
+        """Return the state after this instant."""
+        before = self._before
+        head_rate = self._gyro_rate()
+        head_heading = self._head_heading(head_rate)
+        posture = find_posture(
+            body_length=self._navigation.body_length,
+            head_heading=head_heading,
+            head_rate=self._assumed_head_rate(head_rate),
+            joint_angle=self._joint_angle,
+            joint_rate=self._joint_rate,
+        )
+        current, n_of_current = self._current(head_heading)
+        headings = self._headings_of_cycle(posture.heading)
+        heading = sum(sample for _, sample in headings) / len(headings)
+        velocity = self._velocity(head_heading, posture, heading, current)
+        position, variance, n_refused = self._position(head_heading, posture, velocity)
+        head_position = position[0] + posture.head_x, position[1] + posture.head_y
+        estimate = Estimate(
+            time=self._time,
+            position=position,
+            position_std=math.sqrt(variance),
+            velocity=self._mean_velocity(velocity),
+            heading=heading,
+            current=current,
+            head_position=head_position,
+            head_heading=head_heading,
+            echoes=self._echoes(head_position, head_heading),
+            battery=self._battery(),
+            silence={name: self._time - heard for name, heard in self._heard_at.items()},
+        )
+        return NavigationState(
+            estimate=estimate,
+            head_rate=head_rate,
+            velocity=velocity,
+            n_refused=n_refused,
+            n_of_current=n_of_current,
+            headings=headings,
+            heard_at=self._heard_at,
+            last_values=self._last_values,
+        )
+
+    def _gyro_rate(self) -> float | None:
+        """Return how fast the head turns by the gyro; None if it is silent [rad/s]."""
+        values = self._fresh.get(self._navigation.inertial)
+        if values is None:
+            return None
+        return values[2]
+
+    def _assumed_head_rate(self, gyro_rate: float | None) -> float:
+        """Return how fast the head turns: by the gyro, or as if the body as a whole did not turn [rad/s]."""
+        if gyro_rate is not None:
+            return gyro_rate
+        return bend_of_head(self._joint_rate)
+
+    def _head_heading(self, gyro_rate: float | None) -> float:
+        """Return the direction of the head [rad]."""
+        compass = self._fresh.get(self._navigation.compass)
+        before = self._before.estimate
+        if before is None:
+            return compass[0] if compass else 0.0
+        rate_before = self._before.head_rate
+        has_gyro = gyro_rate is not None and rate_before is not None
+        if has_gyro:
+            predicted = before.head_heading + 0.5 * (gyro_rate + rate_before) * self._elapsed
+        else:
+            predicted = before.heading + bend_of_head(self._joint_angle)
+        if compass is None:
+            return predicted
+        share = COMPASS_SHARE if has_gyro else 1.0
+        return predicted + share * wrapped(compass[0] - predicted)
+
+    def _headings_of_cycle(self, heading: float) -> tuple[tuple[float, float], ...]:
+        """Return the times and headings of the last cycle."""
+        oldest = self._time - self._cycle + 0.5 * self._elapsed
+        kept = [sample for sample in self._before.headings if sample[0] >= oldest]
+        return (*kept, (self._time, heading))
+
+    def _in_world(self, name: str, head_heading: float) -> tuple[float, float] | None:
+        """Return the velocity of the head that a Doppler log tells, world axes; None if it is silent [m/s]."""
+        values = self._fresh.get(name)
+        if values is None or not math.isfinite(values[0]):
+            return None
+        forward, left = values[0], values[1]
+        cos = math.cos(head_heading)
+        sin = math.sin(head_heading)
+        return cos * forward - sin * left, sin * forward + cos * left
+
+    def _current(self, head_heading: float) -> tuple[tuple[float, float], int]:
+        """Return the current, and of how many measurements it is the mean."""
+        before = self._before.estimate
+        current = (0.0, 0.0) if before is None else before.current
+        over_ground = self._in_world(self._navigation.ground_velocity, head_heading)
+        through_water = self._in_world(self._navigation.water_velocity, head_heading)
+        n = self._before.n_of_current
+        if over_ground is None or through_water is None:
+            return current, n
+        share = max(self._elapsed / CURRENT_TIME, 1.0 / (n + 1))
+        x = current[0] + share * (over_ground[0] - through_water[0] - current[0])
+        y = current[1] + share * (over_ground[1] - through_water[1] - current[1])
+        return (x, y), n + 1
+
+    def _velocity(
+        self, head_heading: float, posture: Posture, heading: float, current: tuple[float, float]
+    ) -> tuple[float, float]:
+        """Return the velocity of the middle over ground [m/s]."""
+        swing = posture.swing_x, posture.swing_y
+        over_ground = self._in_world(self._navigation.ground_velocity, head_heading)
+        if over_ground is not None:
+            return over_ground[0] - swing[0], over_ground[1] - swing[1]
+        through_water = self._in_world(self._navigation.water_velocity, head_heading)
+        if through_water is not None:
+            x = through_water[0] + current[0] - swing[0]
+            return x, through_water[1] + current[1] - swing[1]
+        speed = self._navigation.swim_speed
+        return current[0] + speed * math.cos(heading), current[1] + speed * math.sin(heading)
+
+    def _mean_velocity(self, velocity: tuple[float, float]) -> tuple[float, float]:
+        """Return the velocity, averaged over about a cycle [m/s]."""
+        before = self._before.estimate
+        if before is None:
+            return velocity
+        share = min(self._elapsed / self._cycle, 1.0)
+        x, y = before.velocity
+        return x + share * (velocity[0] - x), y + share * (velocity[1] - y)
+
+    def _position(
+        self, head_heading: float, posture: Posture, velocity: tuple[float, float]
+    ) -> tuple[tuple[float, float], float, int]:
+        """Return the position, its variance, and how many fixes were refused in a row."""
+        before = self._before.estimate
+        if before is None:
+            x, y = self._navigation.start
+            variance = FIRST_STD**2
+        else:
+            last = self._before.velocity
+            x = before.position[0] + 0.5 * (velocity[0] + last[0]) * self._elapsed
+            y = before.position[1] + 0.5 * (velocity[1] + last[1]) * self._elapsed
+            has_doppler = self._navigation.ground_velocity in self._fresh
+            drift = DRIFT if has_doppler else BLIND_DRIFT
+            variance = before.position_std**2 + drift**2 * self._elapsed
+        values = self._fresh.get(self._navigation.position)
+        if values is None or not math.isfinite(values[0]):
+            return (x, y), variance, self._before.n_refused
+        distance = values[0] * math.cos(values[2])
+        direction = head_heading + values[1]
+        error_x = self._navigation.beacon[0] - distance * math.cos(direction) - posture.head_x - x
+        error_y = self._navigation.beacon[1] - distance * math.sin(direction) - posture.head_y - y
+        noise = FIX_NOISE[0] + FIX_NOISE[1] * abs(distance)
+        spread = variance + noise**2
+        is_far = math.hypot(error_x, error_y) > GATE * math.sqrt(spread)
+        if is_far and self._before.n_refused < MOST_REFUSED:
+            return (x, y), variance, self._before.n_refused + 1
+        share = variance / spread
+        if is_far:
+            share = 1.0
+        fixed = x + share * error_x, y + share * error_y
+        return fixed, max(share * noise**2, variance * (1.0 - share)), 0
+
+    def _echoes(
+        self, head_position: tuple[float, float], head_heading: float
+    ) -> tuple[Echo, ...]:
+        """Return the echoes of the last ping."""
+        values = self._fresh.get(self._navigation.sonar)
+        if values is None:
+            before = self._before.estimate
+            return () if before is None else before.echoes
+        beams = self._navigation.beams
+        if len(values) != len(beams):
+            rule = f"must have the beams of the sonar, {len(values)} of them"
+            raise BadArgument("navigation.beams", f"{rule}, got {len(beams)}")
+        echoes: list[Echo] = []
+        for bearing, distance in zip(beams, values, strict=True):
+            if not math.isfinite(distance):
+                continue
+            direction = head_heading + bearing
+            x = head_position[0] + distance * math.cos(direction)
+            y = head_position[1] + distance * math.sin(direction)
+            echoes.append(Echo(bearing, distance, x, y))
+        return tuple(echoes)
+
+    def _battery(self) -> float | None:
+        """Return the share of the battery that is left; None if nothing tells it."""
+        values = self._last_values.get(self._navigation.battery)
+        if values is None:
+            return None
+        return values[0]
