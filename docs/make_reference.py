@@ -38,6 +38,7 @@ ROOMS = {
     "identify": "Parameters from trials",
     "studies": "Sweeps and optimization",
     "connect": "TCP server, FMU, library in C, page without a server",
+    "missions": "Missions: tables of phases by which a robot inspects and docks, by its sensors alone",
     "film": "From film to forces: files of trackers, cameras, printed tags, a chain fitted to all frames",
     "show": "Figures, films and pictures, reports, the live page",
     "paper": "The paper's study, on top of all",

@@ -10,6 +10,7 @@ from test_house import ROOT
 GUESTS = {
     "paper": ["paper"],
     "films": ["film"],
+    "missions": ["missions"],
     "cockpit": ["show/cockpit"],
     "exports": ["connect/fmu", "connect/native", "connect/web"],
     "model-predictive control": ["control/mpc"],
@@ -27,6 +28,7 @@ LEFT_OUT = {
     "laticauda.cli.follow_planned",  # the command of a guest
     "laticauda.cli.film",  # likewise
     "laticauda.cli.inverse",
+    "laticauda.cli.mission",
     *(
         f"laticauda.models.planar.{name}"
         for name in ("adjoint", "drives", "loads", "prescribed", "recursion", "stepping")

@@ -7,7 +7,10 @@ steering.py    what a behaviour wants, and the helm
 behaviours     what it does in a phase
 phases.py      phases, and conditions that end them
 mission.py     the table of phases, which is a controller
-running.py     a run of a mission, and what came of it
+running.py     runs of missions, and what came of them
+inspection.py  how near the body came to places, and what was seen of a net
+campaign.py    one mission in many waters, with sensors that fail
+files.py       missions as files, in TOML
 """
 
 from typing import TYPE_CHECKING
@@ -20,16 +23,17 @@ if TYPE_CHECKING:
         FollowWall as FollowWall,
         Rest as Rest,
         Search as Search,
+        StandOff as StandOff,
         SwimIntoDock as SwimIntoDock,
         SwimRoute as SwimRoute,
         SwimStraight as SwimStraight,
     )
     from laticauda.missions.estimate import Echo as Echo, Estimate as Estimate
-    from laticauda.missions.mission import (
-        Avoidance as Avoidance,
-        Mission as Mission,
-        Way as Way,
+    from laticauda.missions.files import (
+        list_missions as list_missions,
+        load_mission as load_mission,
     )
+    from laticauda.missions.mission import Avoidance as Avoidance, Mission as Mission, Way as Way
     from laticauda.missions.navigation import Navigation as Navigation
     from laticauda.missions.phases import (
         BatteryLow as BatteryLow,
@@ -58,11 +62,13 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "FollowWall",
             "Rest",
             "Search",
+            "StandOff",
             "SwimIntoDock",
             "SwimRoute",
             "SwimStraight",
         ],
         "laticauda.missions.estimate": ["Echo", "Estimate"],
+        "laticauda.missions.files": ["list_missions", "load_mission"],
         "laticauda.missions.mission": ["Avoidance", "Mission", "Way"],
         "laticauda.missions.navigation": ["Navigation"],
         "laticauda.missions.phases": [

@@ -33,6 +33,8 @@ class Estimate:
     """Velocity of the middle over ground, mean over about a cycle [m/s]."""
     heading: float
     """Direction of the body, mean over the last cycle, unwrapped [rad]."""
+    bow: tuple[float, float]
+    """Point half a body ahead of the middle along the heading, where the head is without its swing [m]."""
     current: tuple[float, float]
     """Velocity of the water, waves averaged out [m/s]."""
     head_position: tuple[float, float]
@@ -40,7 +42,9 @@ class Estimate:
     head_heading: float
     """Direction of the head [rad]."""
     echoes: tuple[Echo, ...]
-    """Last echoes of the sonar."""
+    """Echoes of the sonar's last ping, unless that is long ago."""
+    last_echo: Echo | None
+    """The nearest echo of the last ping that had one; None: there was none yet."""
     battery: float | None
     """Share of the battery that is left; None without a gauge."""
     silence: Mapping[str, float]

@@ -22,7 +22,9 @@ def measure_clearance(trial: Trial) -> float:
     Args:
         trial: The run.
     """
-    places = tuple(place for place in _scenario_of(trial).model.places if not isinstance(place, Dock))
+    places = tuple(
+        place for place in _scenario_of(trial).model.places if not isinstance(place, Dock)
+    )
     if not places:
         return math.inf
     robot = trial.robot.planar()
@@ -87,17 +89,24 @@ def _head_of(trial: Trial) -> tuple[np.ndarray, np.ndarray]:
     return posture.link_ends[:, -1], trial.link_angle[:, -1]
 
 
-def find_place(places: tuple[Place, ...], kind: type[Place]) -> Place | None:
-    """Return the first place of a kind; None if there is none.
+def find_dock(places: tuple[Place, ...]) -> Dock | None:
+    """Return the first dock; None if there is none.
 
     Args:
         places: The places.
-        kind: The kind.
     """
-    for place in places:
-        if isinstance(place, kind):
-            return place
-    return None
+    docks = [place for place in places if isinstance(place, Dock)]
+    return docks[0] if docks else None
+
+
+def find_net(places: tuple[Place, ...]) -> Net | None:
+    """Return the first net; None if there is none.
+
+    Args:
+        places: The places.
+    """
+    nets = [place for place in places if isinstance(place, Net)]
+    return nets[0] if nets else None
 
 
 def _scenario_of(trial: Trial) -> Scenario:

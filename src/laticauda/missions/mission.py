@@ -93,14 +93,14 @@ class Mission(Controller[MissionState]):
         check_positive("gait.frequency", self.gait.frequency, "rad/s, whose cycle is averaged over")
         if not self.phases:
             raise BadArgument("phases", "must hold at least one phase, got none")
-        names = self.names
+        names = self.phase_names
         for name in names:
             if names.count(name) > 1:
                 raise BadArgument("phases", f"must have different names, got `{name}` twice")
         _ = self.ways
 
     @property
-    def names(self) -> tuple[str, ...]:
+    def phase_names(self) -> tuple[str, ...]:
         """Names of the phases."""
         return tuple(phase.name for phase in self.phases)
 
@@ -138,13 +138,13 @@ class Mission(Controller[MissionState]):
 
     def _way(self, before: int, name: str, reason: str) -> Way:
         """Return a way to a phase by its name."""
-        if name not in self.names:
-            listed = ", ".join(f"`{known}`" for known in self.names)
+        if name not in self.phase_names:
+            listed = ", ".join(f"`{known}`" for known in self.phase_names)
             where = self.phases[before].name
             raise BadArgument(
                 "phases", f"must lead to one of {listed}, got {name!r} after `{where}`"
             )
-        return Way(before, self.names.index(name), reason)
+        return Way(before, self.phase_names.index(name), reason)
 
     @cached_property
     def _entries_by_phase(self) -> dict[int, list[tuple[int, "_Entry"]]]:
@@ -206,9 +206,7 @@ class Mission(Controller[MissionState]):
         behaviour, steering = phase.behaviour.steer(state.behaviour, estimate)
         return replace(state, behaviour=behaviour), steering
 
-    def _way_taken(
-        self, state: MissionState, estimate: Estimate
-    ) -> "tuple[int, _Entry] | None":
+    def _way_taken(self, state: MissionState, estimate: Estimate) -> "tuple[int, _Entry] | None":
         """Return the first way out of the phase that is open; None if it goes on."""
         entries = self._entries_by_phase.get(state.phase, [])
         if not entries or state.began_at is None:
@@ -246,9 +244,7 @@ class Mission(Controller[MissionState]):
             robot: The robot.
         """
         envelope = self.gait.joint_envelope(robot.planar().n_links)
-        for number, (joint, share) in enumerate(
-            zip(robot.planar().joints, envelope, strict=True)
-        ):
+        for number, (joint, share) in enumerate(zip(robot.planar().joints, envelope, strict=True)):
             room = joint.limit - self.gait.amplitude * abs(share) - abs(self.gait.offset)
             if self.helm.max_offset > room:
                 rule = f"must be <= {room:.4g} rad, or joint {number} goes beyond its limit"

@@ -15,9 +15,8 @@ from laticauda.missions.estimate import Echo, Estimate
 from laticauda.missions.posture import Posture, bend_of_head, find_posture
 from laticauda.scenarios import Observation
 from laticauda.sensing import Reading
-from laticauda.values import option, quantity, value_class
+from laticauda.values import BadArgument, option, quantity, value_class
 from laticauda.values.angles import wrapped
-from laticauda.values import BadArgument
 
 COMPASS_SHARE = 0.2
 """Share of the difference between compass and gyro that is corrected at once [-]."""
@@ -31,6 +30,8 @@ GATE = 4.0
 """Standard deviations by which a fix may be off; farther ones are not believed at first [-]."""
 MOST_REFUSED = 5
 """Fixes that are refused in a row; the next one is believed."""
+ECHO_TIME = 3.0
+"""Time after which the echoes of a ping no longer count [s]."""
 FIRST_STD = 3.0
 """Standard deviation of the position before the first fix [m]."""
 FIX_NOISE = (0.05, 0.02)
@@ -150,7 +151,6 @@ class _Instant:
 
     def state_after(self) -> NavigationState:
         """Return the state after this instant."""
-        before = self._before
         head_rate = self._gyro_rate()
         head_heading = self._head_heading(head_rate)
         posture = find_posture(
@@ -165,17 +165,23 @@ class _Instant:
         heading = sum(sample for _, sample in headings) / len(headings)
         velocity = self._velocity(head_heading, posture, heading, current)
         position, variance, n_refused = self._position(head_heading, posture, velocity)
+        half_length = 0.5 * self._navigation.body_length
+        bow_x = position[0] + half_length * math.cos(heading)
+        bow_y = position[1] + half_length * math.sin(heading)
         head_position = position[0] + posture.head_x, position[1] + posture.head_y
+        echoes = self._echoes(head_position, head_heading)
         estimate = Estimate(
             time=self._time,
             position=position,
             position_std=math.sqrt(variance),
             velocity=self._mean_velocity(velocity),
             heading=heading,
+            bow=(bow_x, bow_y),
             current=current,
             head_position=head_position,
             head_heading=head_heading,
-            echoes=self._echoes(head_position, head_heading),
+            echoes=echoes,
+            last_echo=self._last_echo(echoes),
             battery=self._battery(),
             silence={name: self._time - heard for name, heard in self._heard_at.items()},
         )
@@ -210,14 +216,14 @@ class _Instant:
         if before is None:
             return compass[0] if compass else 0.0
         rate_before = self._before.head_rate
-        has_gyro = gyro_rate is not None and rate_before is not None
-        if has_gyro:
-            predicted = before.head_heading + 0.5 * (gyro_rate + rate_before) * self._elapsed
-        else:
+        if gyro_rate is None or rate_before is None:
+            share = 1.0
             predicted = before.heading + bend_of_head(self._joint_angle)
+        else:
+            share = COMPASS_SHARE
+            predicted = before.head_heading + 0.5 * (gyro_rate + rate_before) * self._elapsed
         if compass is None:
             return predicted
-        share = COMPASS_SHARE if has_gyro else 1.0
         return predicted + share * wrapped(compass[0] - predicted)
 
     def _headings_of_cycle(self, heading: float) -> tuple[tuple[float, float], ...]:
@@ -307,14 +313,11 @@ class _Instant:
         fixed = x + share * error_x, y + share * error_y
         return fixed, max(share * noise**2, variance * (1.0 - share)), 0
 
-    def _echoes(
-        self, head_position: tuple[float, float], head_heading: float
-    ) -> tuple[Echo, ...]:
+    def _echoes(self, head_position: tuple[float, float], head_heading: float) -> tuple[Echo, ...]:
         """Return the echoes of the last ping."""
         values = self._fresh.get(self._navigation.sonar)
         if values is None:
-            before = self._before.estimate
-            return () if before is None else before.echoes
+            return self._remembered_echoes()
         beams = self._navigation.beams
         if len(values) != len(beams):
             rule = f"must have the beams of the sonar, {len(values)} of them"
@@ -328,6 +331,21 @@ class _Instant:
             y = head_position[1] + distance * math.sin(direction)
             echoes.append(Echo(bearing, distance, x, y))
         return tuple(echoes)
+
+    def _remembered_echoes(self) -> tuple[Echo, ...]:
+        """Return the echoes of the last ping, unless that is too long ago."""
+        before = self._before.estimate
+        last_ping = self._heard_at.get(self._navigation.sonar, -math.inf)
+        if before is None or self._time - last_ping > ECHO_TIME:
+            return ()
+        return before.echoes
+
+    def _last_echo(self, echoes: tuple[Echo, ...]) -> Echo | None:
+        """Return the nearest echo of the last ping that had one."""
+        if echoes:
+            return min(echoes, key=lambda echo: echo.distance)
+        before = self._before.estimate
+        return None if before is None else before.last_echo
 
     def _battery(self) -> float | None:
         """Return the share of the battery that is left; None if nothing tells it."""

@@ -7,13 +7,21 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Int
 
-from laticauda.missions.inspection import find_place, measure_clearance, measure_share_seen
+from laticauda.missions.inspection import (
+    find_dock,
+    find_net,
+    measure_clearance,
+    measure_share_seen,
+)
 from laticauda.missions.mission import Mission
 from laticauda.models.simulate import swim_side_by_side
 from laticauda.scenarios import Observation, Observations, Scenario
-from laticauda.sensing import Dock, Net, Sonar
+from laticauda.sensing import Dock, Sonar
 from laticauda.trials import Trial
 from laticauda.values import BadArgument
+
+LATCH_OPEN = 20.0
+"""Time after the start during which the latch of a dock stays open [s]."""
 
 
 class PhaseChange(NamedTuple):
@@ -51,7 +59,7 @@ class MissionResult:
         """The phase in which it ended."""
         if self.changes:
             return self.changes[-1].after
-        return mission_of(self.trial.scenario).names[0]
+        return mission_of(self.trial.scenario).phase_names[0]
 
     @property
     def duration(self) -> float:
@@ -91,15 +99,15 @@ def run_missions(scenarios: Sequence[Scenario]) -> list[MissionResult]:
     """
     for scenario in scenarios:
         mission_of(scenario)
-    docks = [find_place(scenario.model.places, Dock) for scenario in scenarios]
+    docks = [find_dock(scenario.model.places) for scenario in scenarios]
 
     def has_arrived(
         observations: Observations, indices: Int[np.ndarray, " n"]
     ) -> Bool[np.ndarray, " n"]:
         arrives = np.zeros(len(indices), dtype=bool)
-        for number, index in enumerate(indices.tolist()):
+        for number, index in enumerate(map(int, indices)):
             dock = docks[index]
-            if isinstance(dock, Dock) and observations.is_well[number]:
+            if dock is not None and observations.is_well[number]:
                 arrives[number] = _catches(dock, observations.of_robot(number))
         return arrives
 
@@ -114,13 +122,8 @@ def _catches(dock: Dock, observation: Observation) -> bool:
     """Return whether a dock catches a robot now, on its way in."""
     speed = float(np.linalg.norm(observation.center_of_mass_velocity))
     # It starts in the dock, whose latch is open until it has left.
-    return observation.time > LATCH_OPEN and dock.catches(
-        observation.head.position, observation.heading, speed
-    )
-
-
-LATCH_OPEN = 20.0
-"""Time after the start during which the latch of a dock stays open [s]."""
+    has_left = float(observation.time) > LATCH_OPEN
+    return has_left and dock.catches(observation.head.position, observation.heading, speed)
 
 
 def read_changes(trial: Trial) -> tuple[PhaseChange, ...]:
@@ -136,7 +139,7 @@ def read_changes(trial: Trial) -> tuple[PhaseChange, ...]:
     for sample in np.flatnonzero(np.diff(n_changes)).tolist():
         way = mission.ways[int(way_taken[sample + 1])]
         time = float(trial.time[sample + 1])
-        before, after = mission.names[way.before], mission.names[way.after]
+        before, after = mission.phase_names[way.before], mission.phase_names[way.after]
         changes.append(PhaseChange(time, before, after, way.reason))
     return tuple(changes)
 
@@ -152,12 +155,12 @@ def judge_mission(trial: Trial, planned_duration: float) -> MissionResult:
     mission_of(scenario)
     assert isinstance(scenario, Scenario)
     model = scenario.model
-    net = find_place(model.places, Net)
+    net = find_net(model.places)
     sonars = [sensor for sensor in model.sensors if isinstance(sensor, Sonar)]
     share_seen = None
-    if isinstance(net, Net) and sonars:
+    if net is not None and sonars:
         share_seen = measure_share_seen(trial, net, sonars[0])
-    has_dock = find_place(model.places, Dock) is not None
+    has_dock = find_dock(model.places) is not None
     error_x = trial.signals["believed_x"] - trial.center_of_mass[:, 0]
     error_y = trial.signals["believed_y"] - trial.center_of_mass[:, 1]
     is_known = trial.signals["believed_std"] < 1.0

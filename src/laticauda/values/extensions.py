@@ -24,6 +24,7 @@ HOMES: Mapping[str, Mapping[str, str]] = {
         "follow-wall": "laticauda.missions.behaviours.walls",
         "rest": "laticauda.missions.behaviours.routes",
         "search": "laticauda.missions.behaviours.routes",
+        "stand-off": "laticauda.missions.behaviours.walls",
         "swim-into-dock": "laticauda.missions.behaviours.docking",
         "swim-route": "laticauda.missions.behaviours.routes",
         "swim-straight": "laticauda.missions.behaviours.routes",

@@ -14,4 +14,4 @@ from laticauda.missions.behaviours.routes import (
     SwimRoute as SwimRoute,
     SwimStraight as SwimStraight,
 )
-from laticauda.missions.behaviours.walls import FollowWall as FollowWall
+from laticauda.missions.behaviours.walls import FollowWall as FollowWall, StandOff as StandOff

@@ -38,7 +38,9 @@ class SwimIntoDock(Behaviour[DockingState]):
     check_at: float = quantity(
         "m", "Distance of the head from the latch at which it checks", gt=0.0, default=1.3
     )
-    tolerance: float = quantity("m", "How far beside the axis the head may be", gt=0.0, default=0.45)
+    tolerance: float = quantity(
+        "m", "How far beside the axis the head may be", gt=0.0, default=0.45
+    )
     passed: float = quantity("m", "How far beyond the latch a try is over", gt=0.0, default=0.5)
     tries: int = quantity("", "How often it tries", ge=1, default=4)
 
@@ -62,7 +64,7 @@ class SwimIntoDock(Behaviour[DockingState]):
             route = RouteState(leg=0, begin=estimate.position)
             state = DockingState(route=route, tries=state.tries + 1)
             return state, Steering(course=estimate.course_to(self.route[0]))
-        _, beside = self._along_and_beside(estimate.position)
+        _, beside = self._along_and_beside(estimate.bow)
         course = self.heading - math.atan2(beside, self.look_ahead)
         return state, Steering(course=course)
 
@@ -74,7 +76,7 @@ class SwimIntoDock(Behaviour[DockingState]):
 
     def _must_try_again(self, estimate: Estimate) -> bool:
         """Return whether this try misses the latch."""
-        along, beside = self._along_and_beside(estimate.head_position)
+        along, beside = self._along_and_beside(estimate.bow)
         if along > self.passed:
             return True
         is_at_check = -self.check_at < along < -0.5 * self.check_at

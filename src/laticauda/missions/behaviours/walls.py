@@ -95,7 +95,8 @@ def _replace_time(state: WallState, time: float) -> WallState:
 
 def _see_wall(state: WallState, echo: Echo, estimate: Estimate, elapsed: float) -> WallState:
     """Return the state after the nearest echo: the wall is the line through it, across its direction."""
-    direction = estimate.head_heading + echo.bearing
+    head_x, head_y = estimate.head_position
+    direction = math.atan2(echo.y - head_y, echo.x - head_x)
     to_echo_x = echo.x - estimate.position[0]
     to_echo_y = echo.y - estimate.position[1]
     distance = to_echo_x * math.cos(direction) + to_echo_y * math.sin(direction)
@@ -120,3 +121,25 @@ def _see_wall(state: WallState, echo: Echo, estimate: Estimate, elapsed: float) 
         turned=state.turned + turn,
         travelled=state.travelled + abs(speed_along) * elapsed,
     )
+
+
+@value_class
+class StandOff(Behaviour[tuple[float, float]]):
+    """Swims away from what the sonar last saw, and waits there in circles."""
+
+    distance: float = quantity("m", "How far away", gt=0.0, default=2.5)
+
+    def begin(self, estimate: Estimate) -> tuple[float, float]:
+        """Return where it waits."""
+        x, y = estimate.position
+        echo = estimate.last_echo
+        if echo is None:
+            return x, y
+        away = math.atan2(y - echo.y, x - echo.x)
+        return x + self.distance * math.cos(away), y + self.distance * math.sin(away)
+
+    def steer(
+        self, state: tuple[float, float], estimate: Estimate
+    ) -> tuple[tuple[float, float], Steering]:
+        """See `Behaviour`."""
+        return state, Steering(course=estimate.course_to(state))

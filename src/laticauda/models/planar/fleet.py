@@ -164,6 +164,17 @@ class Fleet:
                 log[leg.first + 1] = part[1]
         self._note_failures(leg)
 
+    def retire(self, has_ended: np.ndarray) -> None:
+        """Let some robots swim no more; what they did is in the log.
+
+        Args:
+            has_ended: For every robot, whether it has come to its end.
+        """
+        lanes = np.full(self._lane_is_well.size, has_ended[-1])  # lanes without a robot as the last
+        lanes[: self.n] = has_ended
+        self._lane_is_well &= ~lanes.reshape(self._lane_is_well.shape)
+        self._blocks_that_swim = np.flatnonzero(self._lane_is_well.any(axis=1)).tolist()
+
     def blocks(self, indices: np.ndarray) -> Iterator[Block]:
         """Yield the results of all robots, a few at a time.
 

@@ -241,7 +241,7 @@ def swim_fleets(
     sample_interval: float,
     *,
     with_joints: bool,
-    watch: Callable[[Observations, Mapping[str, np.ndarray]], bool] | None = None,
+    watch: Callable[[Observations, Mapping[str, np.ndarray]], np.ndarray] | None = None,
 ) -> list[Fleet]:
     """Return fleets after their whole run; the controllers of all decide together.
 
@@ -252,7 +252,8 @@ def swim_fleets(
         sample_interval: Time between two samples, not yet adjusted [s].
         with_joints: Whether to log the joints as well.
         watch: Called after every control instant with what was observed of all robots and the signals
-            of their controllers; when it returns True, the run ends there.
+            of their controllers; robots for which it returns True swim no more, and the run ends when
+            none does.
     """
     controllers: list[Controller[Any]] = []
     for runs in runs_of_fleets:
@@ -275,8 +276,12 @@ def swim_fleets(
             for member, end in zip(members, ends, strict=True):
                 part = _part_of_decisions(decisions, slice(end - member.fleet.n, end))
                 member.commands.add(now, part)
-            if watch is not None and watch(observations, steering.signals):
-                break
+            if watch is not None:
+                has_ended = watch(observations, steering.signals)
+                if has_ended.any():
+                    _retire(members, ends, has_ended)
+                if np.all(has_ended | ~observations.is_well):
+                    break
         for member in members:
             member.march(now, span, n_logged)
         n_logged += span.n_samples
@@ -284,6 +289,13 @@ def swim_fleets(
         if not any(member.fleet.any_swims for member in members):
             break
     return [member.fleet for member in members]
+
+
+def _retire(members: "Sequence[_Member]", ends: Sequence[int], has_ended: np.ndarray) -> None:
+    """Let robots that have come to their end swim no more."""
+    for member, end in zip(members, ends, strict=True):
+        fleet = member.fleet
+        fleet.retire(has_ended[end - fleet.n : end])
 
 
 class _Member:

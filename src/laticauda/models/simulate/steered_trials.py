@@ -153,8 +153,10 @@ class _Watch:
         names = self.signals[0]
         return {name: np.stack([signals[name] for signals in self.signals]) for name in names}
 
-    def look(self, observations: Observations, signals: Mapping[str, np.ndarray]) -> bool:
-        """Look at a control instant; return whether all robots have come to an end.
+    def look(
+        self, observations: Observations, signals: Mapping[str, np.ndarray]
+    ) -> Bool[np.ndarray, " n"]:
+        """Look at a control instant; return which robots have come to an end.
 
         Args:
             observations: What is seen of the robots.
@@ -163,10 +165,10 @@ class _Watch:
         n_before = len(self.signals)
         self.signals.append(signals)
         if self._has_arrived is None or n_before == 0:
-            return False
+            return self.n_finished > 0
         arrives = self._has_arrived(observations, self._index) & observations.is_well
         self.n_finished[arrives & (self.n_finished == 0)] = n_before
-        return bool(np.all((self.n_finished > 0) | ~observations.is_well))
+        return self.n_finished > 0
 
 
 def _sample_signals(

@@ -4,6 +4,7 @@ All shapes of one kind are computed together, as arrays: a ray is transformed in
 shape, where the intersection has a formula. The models in space build the same shapes as geoms.
 """
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from typing import Literal, NamedTuple, TypeAlias
@@ -47,18 +48,26 @@ class Solids:
             if members:
                 self._groups.append(group(members))
 
-    def cast(self, origin: Float[np.ndarray, "3"], directions: Directions) -> "Hits":
+    def cast(
+        self,
+        origin: Float[np.ndarray, "3"],
+        directions: Directions,
+        largest_range: float = math.inf,
+    ) -> "Hits":
         """Return what rays hit first.
 
         Args:
             origin: Where all rays begin, world axes [m].
             directions: Their directions, of length 1, world axes [-].
+            largest_range: Shapes that are farther away may be left out, which saves time [m].
         """
         hits = Hits(
             distance=np.full(len(directions), np.inf), normal=np.zeros((len(directions), 3))
         )
         for group in self._groups:
-            hits = _nearer_hits(hits, group.cast(origin, directions))
+            nearby = group.within(origin, largest_range)
+            if nearby is not None:
+                hits = _nearer_hits(hits, nearby.cast(origin, directions))
         return hits
 
     def distances(self, points: Points) -> Float[np.ndarray, " n_points"]:
@@ -90,11 +99,31 @@ class _Group(ABC):
     """
 
     def __init__(self, solids: Sequence[Solid]) -> None:
+        self._solids = solids
+        self._parts: dict[bytes, _Group | None] = {}
         self._center = np.array([solid.center for solid in solids])
         self._axes = np.array([solid.axes for solid in solids])
         sizes = np.array([solid.size for solid in solids])
         self.size = sizes[:, np.newaxis]
         """Size of every shape, the same for all rays or points."""
+        self._reach = np.linalg.norm(sizes, axis=1)
+
+    def within(self, origin: np.ndarray, largest_range: float) -> "_Group | None":
+        """Return those shapes of which some part may be within a range of a point; None if there is none.
+
+        Args:
+            origin: The point, world axes [m].
+            largest_range: The range [m].
+        """
+        if math.isinf(largest_range):
+            return self
+        distances = np.linalg.norm(self._center - origin, axis=1)
+        is_near = distances <= largest_range + self._reach
+        key = is_near.tobytes()
+        if key not in self._parts:
+            nearby = [self._solids[i] for i in np.flatnonzero(is_near).tolist()]
+            self._parts[key] = type(self)(nearby) if nearby else None
+        return self._parts[key]
 
     def cast(self, origin: np.ndarray, directions: np.ndarray) -> Hits:
         """See `Solids.cast`."""

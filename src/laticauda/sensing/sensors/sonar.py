@@ -66,7 +66,7 @@ class Sonar(Sensor):
 
     def measure(self, sight: Sight, random: np.random.Generator) -> np.ndarray:
         """Return its values, with noise of `random`, at the moment of `sight`."""
-        of_rays = _echoes(sight, self._rays, self.grazing)
+        of_rays = _echoes(sight, self._rays, self.grazing, self.largest_range)
         nearest = np.min(of_rays.reshape(-1, N_RAYS_PER_BEAM), axis=-1)
         is_seen = (nearest >= self.least_range) & (nearest <= self.largest_range)
         noise = self.noise * random.standard_normal(len(self.beams))
@@ -89,14 +89,14 @@ class Altimeter(Sensor):
     def measure(self, sight: Sight, random: np.random.Generator) -> np.ndarray:
         """Return its values, with noise of `random`, at the moment of `sight`."""
         noise = self.noise * random.standard_normal()
-        (distance,) = _echoes(sight, DOWNWARD, grazing=0.0)
+        (distance,) = _echoes(sight, DOWNWARD, 0.0, self.largest_range)
         if distance > self.largest_range:
             return np.full(1, np.nan)
         return np.array([distance + noise])
 
 
 def _echoes(
-    sight: Sight, rays: Float[np.ndarray, "n_rays 3"], grazing: float
+    sight: Sight, rays: Float[np.ndarray, "n_rays 3"], grazing: float, largest_range: float
 ) -> Float[np.ndarray, " n_rays"]:
     """Return the distance of the echo of every ray, infinite without one [m].
 
@@ -104,10 +104,11 @@ def _echoes(
         sight: What is true at this moment.
         rays: Directions in the axes of the head: forward, left, up.
         grazing: Least angle between a ray and a surface that reflects it [rad].
+        largest_range: Echoes from farther away need not be found [m].
     """
     head = sight.observation.head
     directions = rays @ head.axes.T
-    hits = sight.surroundings.solids.cast(head.position, directions)
+    hits = sight.surroundings.solids.cast(head.position, directions, largest_range)
     sine_to_surface = -np.sum(hits.normal * directions, axis=-1)
     reflects = sine_to_surface >= math.sin(grazing)
     return np.where(reflects, hits.distance, np.inf)

@@ -1,0 +1,387 @@
+"""Campaigns: one mission in many waters, from many starts, with sensors that fail; each by a seed."""
+
+import csv
+import math
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, fields, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from laticauda.missions.running import MissionResult, run_missions
+from laticauda.robot import Water
+from laticauda.scenarios import Scenario, Start
+from laticauda.sensing import Sensor, SensorFault
+from laticauda.values import BadArgument, option, quantity, value_class
+from laticauda.water.fluid.flow import Flow
+
+LOWEST_WAVE = 1e-6
+"""Height of waves at least [m]."""
+NORMAL_QUANTILE = 1.959964
+"""Quantile of the normal distribution for intervals of 95 % [-]."""
+
+
+@value_class
+class Conditions:
+    """What differs between the runs of a campaign; each is drawn evenly up to these limits."""
+
+    current: float = quantity("m/s", "Largest current, from any direction", ge=0.0, default=0.11)
+    wave_height: float = quantity("m", "Largest height of waves", ge=0.0, default=0.1)
+    wave_periods: tuple[float, float] = quantity(
+        "s", "Shortest and longest period of waves", gt=0.0, default=(3.0, 6.0)
+    )
+    start_distance: float = quantity(
+        "m", "How far the start is off along each axis", ge=0.0, default=0.15
+    )
+    start_angle: float = quantity(
+        "rad", "How far the start is turned", ge=0.0, default=math.radians(10.0)
+    )
+    dropout: float = quantity("", "Share of all measurements that are lost", ge=0.0, default=0.05)
+    failing: tuple[str, ...] = option("Sensors of which one fails in every run", default=())
+    fault_begin: float = quantity("s", "When it fails at the latest", gt=0.0, default=240.0)
+    fault_duration: tuple[float, float] = quantity(
+        "s", "Shortest and longest time for which it fails", gt=0.0, default=(10.0, 40.0)
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class MissionRow:
+    """One run of a campaign: what was drawn, and what came of it."""
+
+    seed: int
+    current: float
+    """Speed of the current [m/s]."""
+    current_direction: float
+    """Where it flows to [rad]."""
+    wave_height: float
+    """Height of the waves [m]."""
+    wave_period: float
+    """Their period [s]."""
+    failing: str
+    """Sensor that failed."""
+    fault: str
+    """How."""
+    fault_begin: float
+    """From when on [s]."""
+    fault_end: float
+    """Until when [s]."""
+    is_docked: int
+    """1 if the dock has caught the robot."""
+    duration: float
+    """How long it took [s]."""
+    clearance: float
+    """How near the body came to anything but the dock [m]."""
+    share_seen: float
+    """Share of the net that was seen."""
+    largest_error: float
+    """Largest error of the believed position [m]."""
+    last_phase: str
+    """The phase in which it ended."""
+    reason: str
+    """Why that began."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Draw:
+    """What was drawn for one run."""
+
+    seed: int
+    current: float
+    """Speed of the current [m/s]."""
+    current_direction: float
+    """Where it flows to [rad]."""
+    wave_height: float
+    """Height of the waves [m]."""
+    wave_period: float
+    """Their period [s]."""
+    wave_direction: float
+    """Where they run to [rad]."""
+    wave_phase: float
+    """Their phase [rad]."""
+    start_offset: tuple[float, float]
+    """How far the start is off along x and y [m]."""
+    start_turn: float
+    """How far it is turned [rad]."""
+    fault: SensorFault
+    """When and how a sensor fails."""
+    failing: str
+    """Which one; "": none."""
+
+
+def draw_conditions(conditions: Conditions, seed: int) -> Draw:
+    """Return what one run meets.
+
+    Args:
+        conditions: Limits.
+        seed: What decides.
+    """
+    random = np.random.default_rng(seed)
+    current = conditions.current * random.random()
+    current_direction = 2.0 * math.pi * random.random()
+    wave_height = max(conditions.wave_height * random.random(), LOWEST_WAVE)
+    wave_period = float(random.uniform(*conditions.wave_periods))
+    wave_direction = 2.0 * math.pi * random.random()
+    wave_phase = 2.0 * math.pi * random.random()
+    offset_x, offset_y = (conditions.start_distance * random.uniform(-1.0, 1.0, 2)).tolist()
+    start_turn = conditions.start_angle * float(random.uniform(-1.0, 1.0))
+    fault = _draw_fault(conditions, random)
+    failing = ""
+    if conditions.failing:
+        failing = conditions.failing[int(random.integers(len(conditions.failing)))]
+    return Draw(
+        seed=seed,
+        current=current,
+        current_direction=current_direction,
+        wave_height=wave_height,
+        wave_period=wave_period,
+        wave_direction=wave_direction,
+        wave_phase=wave_phase,
+        start_offset=(offset_x, offset_y),
+        start_turn=start_turn,
+        fault=fault,
+        failing=failing,
+    )
+
+
+def _draw_fault(conditions: Conditions, random: np.random.Generator) -> SensorFault:
+    """Return a time during which a sensor is silent or frozen."""
+    begin = conditions.fault_begin * random.random()
+    duration = float(random.uniform(*conditions.fault_duration))
+    kind = "silent" if random.random() < 0.5 else "frozen"
+    return SensorFault(begin=begin, end=begin + duration, kind=kind)
+
+
+def change_scenario(scenario: Scenario, conditions: Conditions, draw: Draw) -> Scenario:
+    """Return the mission under what was drawn.
+
+    Args:
+        scenario: The mission.
+        conditions: Limits, of which the share of lost measurements counts.
+        draw: What was drawn.
+    """
+    water = scenario.environment
+    if not isinstance(water, Water) or not isinstance(scenario.start, Start):
+        raise BadArgument("scenario", "must be in water, and not go on with another run")
+    x, y = scenario.start.center_of_mass
+    start = replace(
+        scenario.start,
+        center_of_mass=(x + draw.start_offset[0], y + draw.start_offset[1]),
+        heading=scenario.start.heading + draw.start_turn,
+    )
+    sensors: list[Sensor] = []
+    for sensor in scenario.model.sensors:
+        faults = sensor.faults
+        if sensor.name == draw.failing:
+            faults = (*faults, draw.fault)
+        changed = replace(sensor, seed=draw.seed, dropout=conditions.dropout, faults=faults)
+        sensors.append(changed)
+    return replace(
+        scenario,
+        environment=replace(water, current=_flow_of(draw)),
+        start=start,
+        model=replace(scenario.model, sensors=tuple(sensors)),
+    )
+
+
+def _flow_of(draw: Draw) -> Flow:
+    """Return the current with the waves on it."""
+    make_current: Any = Flow.named("uniform")
+    make_waves: Any = Flow.named("waves")
+    current: Flow = make_current(
+        u=draw.current * math.cos(draw.current_direction),
+        v=draw.current * math.sin(draw.current_direction),
+    )
+    waves: Flow = make_waves(
+        height=draw.wave_height,
+        period=draw.wave_period,
+        direction=draw.wave_direction,
+        phase=draw.wave_phase,
+    )
+    return current + waves
+
+
+def make_row(draw: Draw, result: MissionResult) -> MissionRow:
+    """Return the row of a run.
+
+    Args:
+        draw: What was drawn.
+        result: What came of it.
+    """
+    share_seen = math.nan
+    if result.share_seen is not None:
+        share_seen = result.share_seen
+    return MissionRow(
+        seed=draw.seed,
+        current=draw.current,
+        current_direction=draw.current_direction,
+        wave_height=draw.wave_height,
+        wave_period=draw.wave_period,
+        failing=draw.failing,
+        fault=draw.fault.kind,
+        fault_begin=draw.fault.begin,
+        fault_end=draw.fault.end,
+        is_docked=int(result.is_docked),
+        duration=result.duration,
+        clearance=result.clearance,
+        share_seen=share_seen,
+        largest_error=result.largest_error,
+        last_phase=result.last_phase,
+        reason=result.changes[-1].reason if result.changes else "",
+    )
+
+
+def run_campaign(
+    scenario: Scenario,
+    conditions: Conditions,
+    seeds: Sequence[int],
+    path: Path,
+    *,
+    at_once: int = 16,
+) -> list[MissionRow]:
+    """Run a mission with many seeds; a file holds the rows, and a stopped campaign goes on where it was.
+
+    Args:
+        scenario: The mission.
+        conditions: What differs.
+        seeds: The seeds.
+        path: CSV file of the rows.
+        at_once: Runs that are computed side by side.
+    """
+    done = {row.seed for row in read_rows(path)}
+    left = [seed for seed in seeds if seed not in done]
+    for begin in range(0, len(left), at_once):
+        seeds_at_once = left[begin : begin + at_once]
+        draws = [draw_conditions(conditions, seed) for seed in seeds_at_once]
+        scenarios = [change_scenario(scenario, conditions, draw) for draw in draws]
+        results = run_missions(scenarios)
+        rows = [make_row(*pair) for pair in zip(draws, results, strict=True)]
+        append_rows(path, rows)
+    return read_rows(path)
+
+
+def read_rows(path: Path) -> list[MissionRow]:
+    """Return the rows of a campaign's file; none if there is no file.
+
+    Args:
+        path: The file.
+    """
+    if not path.exists():
+        return []
+    kinds = {field.name: field.type for field in fields(MissionRow)}
+    rows: list[MissionRow] = []
+    with path.open(newline="", encoding="utf-8") as file:
+        for texts in csv.DictReader(file):
+            values: dict[str, Any] = {
+                name: _value_of(kinds[name], text) for name, text in texts.items()
+            }
+            rows.append(MissionRow(**values))
+    return rows
+
+
+def _value_of(kind: object, text: str) -> str | int | float:
+    """Return the value of a field in a file."""
+    if kind is int:
+        return int(text)
+    if kind is float:
+        return float(text)
+    return text
+
+
+def append_rows(path: Path, rows: Sequence[MissionRow]) -> None:
+    """Append rows to a campaign's file; a new file gets its header first.
+
+    Args:
+        path: The file.
+        rows: The rows.
+    """
+    is_new = not path.exists()
+    names = [field.name for field in fields(MissionRow)]
+    with path.open("a", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, names, lineterminator="\n")
+        if is_new:
+            writer.writeheader()
+        for row in rows:
+            values = {
+                name: f"{value:.5g}" if isinstance(value, float) else value
+                for name, value in asdict(row).items()
+            }
+            writer.writerow(values)
+
+
+@dataclass(frozen=True, kw_only=True)
+class CampaignSummary:
+    """What a campaign shows."""
+
+    n_runs: int
+    n_docked: int
+    share_low: float
+    """Lower end of the 95 % interval of Wilson for the share that docked."""
+    share_high: float
+    """Its upper end."""
+    n_contacts: int
+    """Runs in which the body went through something."""
+    least_clearance: float
+    """Smallest distance of any run [m]."""
+    share_of_net_seen: float
+    """Share of the net that was seen, in the mean of all runs."""
+    n_seen_enough: int
+    """Runs in which at least 90 % were seen."""
+    causes: dict[str, int]
+    """By the phase in which runs ended that did not dock and why it began, how many there were."""
+    worst: tuple[int, ...]
+    """Seeds of the ten worst runs: those that did not dock, then those that came nearest to something."""
+
+
+ENOUGH_SEEN = 0.9
+"""Share of the net that is to be seen [-]."""
+N_WORST = 10
+"""How many of the worst runs are named."""
+
+
+def summarize_campaign(rows: Sequence[MissionRow]) -> CampaignSummary:
+    """Return what a campaign shows.
+
+    Args:
+        rows: Its rows.
+    """
+    n_docked = sum(row.is_docked for row in rows)
+    low, high = wilson_interval(n_docked, len(rows))
+    causes: dict[str, int] = {}
+    for row in rows:
+        if not row.is_docked:
+            cause = f"{row.last_phase}: {row.reason}"
+            causes[cause] = causes.get(cause, 0) + 1
+    worst = sorted(rows, key=lambda row: (row.is_docked, row.clearance))
+    return CampaignSummary(
+        n_runs=len(rows),
+        n_docked=n_docked,
+        share_low=low,
+        share_high=high,
+        n_contacts=sum(row.clearance <= 0.0 for row in rows),
+        least_clearance=min(row.clearance for row in rows),
+        share_of_net_seen=float(np.mean([row.share_seen for row in rows])),
+        n_seen_enough=sum(row.share_seen >= ENOUGH_SEEN for row in rows),
+        causes=causes,
+        worst=tuple(row.seed for row in worst[:N_WORST]),
+    )
+
+
+def wilson_interval(n_successes: int, n_runs: int) -> tuple[float, float]:
+    """Return the 95 % interval of Wilson for the probability of success.
+
+    Args:
+        n_successes: Number of successes.
+        n_runs: Number of runs.
+
+    Example:
+        >>> low, high = wilson_interval(95, 100)
+        >>> round(low, 3), round(high, 3)
+        (0.888, 0.978)
+    """
+    z2 = NORMAL_QUANTILE**2
+    share = n_successes / n_runs
+    middle = (share + 0.5 * z2 / n_runs) / (1.0 + z2 / n_runs)
+    spread = math.sqrt(share * (1.0 - share) / n_runs + 0.25 * z2 / n_runs**2)
+    half_width = NORMAL_QUANTILE * spread / (1.0 + z2 / n_runs)
+    return middle - half_width, middle + half_width
