@@ -243,10 +243,13 @@ def has_slopes(optimization: Optimization) -> bool:
     scenario = optimization.scenario
     if len(optimization.objectives) > 1 or optimization.takes_whole_numbers:
         return False
-    if isinstance(scenario.motion, Controller) and not isinstance(scenario.motion, OpenLoop):
+    motion = scenario.motion
+    is_steered = isinstance(motion, Controller) and not isinstance(motion, OpenLoop)
+    if is_steered:
         return False
-    plant = runs_of([scenario])[0].plant
-    return gradients.is_cheaper([plant], n_figures=1, n_numbers=len(optimization.names))
+    (run,) = runs_of([scenario])
+    n_numbers = len(optimization.names)
+    return gradients.is_cheaper([run.plant], n_figures=1, n_numbers=n_numbers)
 
 
 def compute_slope(
@@ -261,14 +264,16 @@ def compute_slope(
     """
     numbers = dict(zip(optimization.names, point.tolist(), strict=True))
     (objective,) = optimization.objectives
+    scenario = change_parameters(optimization.scenario, numbers)
     sensitivities = compute_sensitivities(
-        [change_parameters(optimization.scenario, numbers)],
+        [scenario],
         names=optimization.names,
         figures=[objective],
         threads=threads,
     )
     slope = sensitivities.jacobian[0, 0]
-    if not np.all(np.isfinite(slope)):
+    is_known = np.isfinite(slope)
+    if not np.all(is_known):
         return None
     return _sign_of_loss(objective) * slope
 

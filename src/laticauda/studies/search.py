@@ -85,11 +85,18 @@ class Search:
             loss: Its loss.
         """
         individual_module = _import_pymoo("core.individual")
-        individual = individual_module.Individual(X=point, F=np.array([loss]), G=np.zeros(1))
+        individual = individual_module.Individual(
+            X=point,
+            F=np.array([loss]),
+            G=np.zeros(1),
+        )
         individual.evaluated.update(("F", "G"))
         population = self._algorithm.pop
-        order = np.lexsort((population.get("F")[:, 0], population.get("CV")[:, 0]))
-        population[order[-1]] = individual
+        losses = population.get("F")[:, 0]
+        violations = population.get("CV")[:, 0]
+        order = np.lexsort((losses, violations))
+        worst = order[-1]
+        population[worst] = individual
 
 
 def package_versions() -> dict[str, str]:

@@ -109,12 +109,14 @@ class SlopeSearch:
         slope = self._slope(self._low + self._range * self._best)
         if slope is None:
             return None
-        change = self._newton.find_change(self._best, slope * self._range)
+        slope_of_share = slope * self._range
+        change = self._newton.find_change(self._best, slope_of_share)
         if change is None:
             return None
         distances = 0.5 ** np.arange(N_DISTANCES)
-        shares = np.clip(self._best + distances[:, np.newaxis] * change, 0.0, 1.0)
-        return self._low + self._range * shares
+        shares = self._best + np.outer(distances, change)
+        within_bounds = np.clip(shares, 0.0, 1.0)
+        return self._low + self._range * within_bounds
 
 
 class _QuasiNewton:
@@ -137,7 +139,9 @@ class _QuasiNewton:
             slope: Slope of the loss there.
         """
         self._learn(point, slope)
-        is_free = ~(((point <= 0.0) & (slope > 0.0)) | ((point >= 1.0) & (slope < 0.0)))
+        is_held_below = (point <= 0.0) & (slope > 0.0)
+        is_held_above = (point >= 1.0) & (slope < 0.0)
+        is_free = ~(is_held_below | is_held_above)
         if not np.any(slope[is_free]):
             return None
         if self._inverse is not None:
@@ -145,27 +149,35 @@ class _QuasiNewton:
             if change @ slope < 0.0:
                 return STEPS_OF_NEWTON * change
         steepest = np.where(is_free, -slope, 0.0)
-        return FIRST_DISTANCE / np.abs(steepest).max() * steepest
+        largest = np.abs(steepest).max()
+        return FIRST_DISTANCE / largest * steepest
 
     def _newton_step(self, slope: Point, is_free: Bool[np.ndarray, " n_names"]) -> Point:
         """Return the step of the numbers that are free to move."""
         assert self._inverse is not None
-        free = np.outer(is_free, is_free)
-        return np.where(free, self._inverse, 0.0) @ slope
+        are_free = np.outer(is_free, is_free)
+        inverse = np.where(are_free, self._inverse, 0.0)
+        return inverse @ slope
 
     def _learn(self, point: Point, slope: Point) -> None:
         """Improve the inverse curvature by the change of the slope since the last point (BFGS)."""
-        if self._last is not None:
-            last_point, last_slope = self._last
-            step, turn = point - last_point, slope - last_slope
-            curvature = float(step @ turn)
-            if curvature > LEAST_CURVATURE * float(np.linalg.norm(step) * np.linalg.norm(turn)):
-                self._update(step, turn, curvature)
+        last = self._last
         self._last = point, slope
+        if last is None:
+            return
+        last_point, last_slope = last
+        step = point - last_point
+        turn = slope - last_slope
+        curvature = float(step @ turn)
+        size = float(np.linalg.norm(step) * np.linalg.norm(turn))
+        if curvature > LEAST_CURVATURE * size:
+            self._update(step, turn, curvature)
 
     def _update(self, step: Point, turn: Point, curvature: float) -> None:
+        identity = np.eye(self._size)
         inverse = self._inverse
         if inverse is None:
-            inverse = curvature / float(turn @ turn) * np.eye(self._size)
-        left = np.eye(self._size) - np.outer(step, turn) / curvature
-        self._inverse = left @ inverse @ left.T + np.outer(step, step) / curvature
+            inverse = curvature / float(turn @ turn) * identity
+        projection = identity - np.outer(step, turn) / curvature
+        along_step = np.outer(step, step) / curvature
+        self._inverse = projection @ inverse @ projection.T + along_step
