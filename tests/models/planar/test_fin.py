@@ -294,13 +294,14 @@ def test_the_mirrored_gait_swims_the_mirrored_path(name):
 # ---- stepping ------------------------------------------------------------------------------------
 
 
-def test_an_elastic_fin_behind_prescribed_joints_converges_with_order_two():
+def test_an_elastic_fin_behind_prescribed_joints_converges_with_order_three():
     steps = np.array([0.01, 0.005, 0.0025])
     ends = [lc.swim(ELASTIC, GAIT, 4.0, dt=dt, sample_interval=0.4) for dt in (*steps, 3e-4)]
-    for figure in ("center_of_mass", "work"):
-        values = [getattr(trial, figure)[-1] for trial in ends]
-        errors = [np.linalg.norm(value - values[-1]) for value in values[:-1]]
-        assert np.polyfit(np.log(steps), np.log(errors), 1)[0] == pytest.approx(2.0, abs=0.3)
+    places = [trial.center_of_mass[-1] for trial in ends]
+    errors = [np.linalg.norm(place - places[-1]) for place in places[:-1]]
+    assert np.polyfit(np.log(steps), np.log(errors), 1)[0] == pytest.approx(3.0, abs=0.3)
+    # The work of prescribed joints has kinks where a power changes its sign.
+    np.testing.assert_allclose(ends[0].work[-1], ends[-1].work[-1], rtol=1e-5)
 
 
 @pytest.mark.parametrize("rigidity", [0.1, 1.0, 100.0])
@@ -308,7 +309,7 @@ def test_the_default_step_is_converged(rigidity):
     robot = fitted(n_hinges=3, flexural_rigidity=rigidity)
     usual, fine = lc.swim(robot, GAIT), lc.swim(robot, GAIT, dt=5e-4)
     gap = np.linalg.norm(usual.center_of_mass[-1] - fine.center_of_mass[-1])
-    assert usual.settings["dt"] == 0.005
+    assert 0.005 < usual.settings["dt"] <= 0.01
     assert gap < 1e-5 * np.linalg.norm(fine.center_of_mass[-1])
     assert usual.mean_power == pytest.approx(fine.mean_power, rel=1e-4)
 
@@ -445,7 +446,7 @@ def test_the_center_of_mass_is_that_of_the_bent_robot():
 
 
 @pytest.mark.parametrize("joints", ["prescribed", "pd"])
-def test_the_torque_of_a_locked_root_has_implicit_terms_beside_driven_joints_only(joints):
+def test_the_torque_of_a_locked_root_is_that_of_the_state(joints):
     plant = lc.build_plant(ELASTIC, WATER, model="planar", joints=joints)
     layout = plant.layout
     n_joints, root = layout.n_joints, layout.tail_link
@@ -459,10 +460,7 @@ def test_the_torque_of_a_locked_root_has_implicit_terms_beside_driven_joints_onl
         n_steps = round(1.5 / dt)
         end, samples = plant._run(plant.init(lc.Start(), command), command, 1, n_steps, dt)
         state = PlantState(values=end)
-        no_time = 1e-12  # leaves no implicit terms
+        no_time = 1e-12
         _, sample = plant._run(state, command, 1, 1, no_time)
         differences.append(samples[-1, column] - sample[0, column])
-    if joints == "prescribed":
-        assert differences == [0.0, 0.0]
-    else:
-        assert differences[0] / differences[1] == pytest.approx(2.0, abs=0.1)
+    assert differences == [0.0, 0.0]

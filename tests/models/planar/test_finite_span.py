@@ -272,6 +272,8 @@ def test_derivatives_are_those_of_differences(joints):
     found = compute_sensitivities(
         BROAD, GAIT, 10.0, names=list(DERIVED), environments=WATER, joints=joints
     )
+    # Differences are those of a function with small steps, where a servo's limit moves into another step.
+    tolerance = 3e-3 if joints == "servo" else 1e-3
     for name, change in DERIVED.items():
         step = 1e-5
         ends = []
@@ -283,7 +285,7 @@ def test_derivatives_are_those_of_differences(joints):
             ends.append(trial.forward_velocity)
         scale = 1000.0 if name == "water.density" else 1.0
         expected = (ends[0] - ends[1]) / (2.0 * step * scale)
-        assert found.of("forward_velocity", name)[0] == pytest.approx(expected, rel=1e-3), name
+        assert found.of("forward_velocity", name)[0] == pytest.approx(expected, rel=tolerance), name
 
 
 def found_dt(joints):

@@ -43,13 +43,13 @@ def test_prescribed_joints_converge_with_order_five_where_the_drag_is_smooth():
 
 
 @pytest.mark.parametrize("joints", ["pd", "servo"])
-def test_driven_joints_converge_with_order_two(joints):
-    steps = [0.004, 0.002, 0.001]
-    assert order(steps, errors(steps, joints=joints)) == pytest.approx(2.0, abs=0.3)
+def test_driven_joints_converge_with_order_two_at_least(joints):
+    steps = [0.02, 0.01, 0.005]
+    assert order(steps, errors(steps, joints=joints)) > 2.0
 
 
 @pytest.mark.parametrize(
-    ("joints", "target"), [("prescribed", 1e-6), ("pd", 1e-4), ("servo", 1e-4)]
+    ("joints", "target"), [("prescribed", 1e-6), ("pd", 1e-5), ("servo", 1e-5)]
 )
 def test_the_default_step_is_converged(joints, target):
     robot = load_robot("mamba")

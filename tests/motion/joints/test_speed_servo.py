@@ -213,8 +213,8 @@ def test_a_robot_swims_as_with_the_servo_that_imitated_it(robot):
     spare = with_motor(robot, stall_torque=1e6, no_load_speed=1e6)
     law = SpeedServo(speed_limit=LIMIT, position_gain=5.7 * LIMIT, speed_gain=200.0 / LIMIT)
     imitation, own = (
-        lc.swim(strong, GAIT, 6.0, joints="servo"),
-        lc.swim(spare, GAIT, 6.0, joints=law),
+        lc.swim(strong, GAIT, 6.0, joints="servo", dt=0.005),
+        lc.swim(spare, GAIT, 6.0, joints=law, dt=0.005),
     )
     np.testing.assert_allclose(own.center_of_mass, imitation.center_of_mass, atol=1e-7)
     np.testing.assert_allclose(own.joint_angle, imitation.joint_angle, atol=1e-7)

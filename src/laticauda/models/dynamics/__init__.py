@@ -2,7 +2,8 @@
 
 - `plant`: base of their plants; `samples`: states and samples of plants.
 - `school`: base of their schools, many robots side by side.
-- `joint_table`, `stages`: the joints in their kernels, and the formulas of an implicit time step.
+- `joint_table`, `stages`, `semi_implicit`: the joints in their kernels, and the formulas of implicit
+  time steps, in space and in the plane.
 - `shared_laws`: the scalar laws that the kernels of both call.
 """
 

@@ -46,8 +46,6 @@ ModelType = TypeVar("ModelType", bound=Model)
 Waves = tuple[WaveState, WaveState, WaveState]
 Targets = tuple[WaveTarget, WaveTarget, WaveTarget]
 
-ELASTIC_DT = 0.005
-"""Time step with a flexible fin [s]."""
 CREST = WaveState(
     phase=0.5 * math.pi,
     amplitude=1.0,
@@ -83,6 +81,10 @@ class Plant(ABC, Generic[ModelType]):
     """Name of the model."""
     usual_dt: ClassVar[float]
     """Default time step with prescribed joints [s]."""
+    longest_driven_dt: ClassVar[float]
+    """Longest default time step with joints that a law drives [s]."""
+    elastic_dt: ClassVar[float]
+    """Longest default time step with a fin that bends [s]."""
     generator: ClassVar[tuple[slice, ...]]
     """Waves in a state vector that external references replace; that of a driven fin comes last."""
 
@@ -100,10 +102,12 @@ class Plant(ABC, Generic[ModelType]):
 
     def _choose_dt(self) -> float:
         """Return the largest time step at which joints, fin and loads are resolved [s]."""
-        dt = min(self.joints.dt or self.usual_dt, self._stable_step())
+        dt = self.usual_dt
+        if self.joints.dt is not None:
+            dt = min(self.joints.dt, self.longest_driven_dt)
         if has_hinges(self.robot):
-            dt = min(dt, ELASTIC_DT)
-        return dt
+            dt = min(dt, self.elastic_dt)
+        return min(dt, self._stable_step())
 
     @property
     def joints(self) -> JointLaw:
@@ -122,7 +126,7 @@ class Plant(ABC, Generic[ModelType]):
 
     @cached_property
     def is_implicit(self) -> bool:
-        """Whether any joint is free, which makes the steps linearly implicit (`laticauda.models.planar.stepping`)."""
+        """Whether any joint is free, which makes the steps implicit (`laticauda.models.planar.stepping`)."""
         return not self.joints.prescribed or has_hinges(self.robot)
 
     def steps_in(self, interval: float) -> int:

@@ -1,4 +1,4 @@
-"""Linearly implicit step and joint powers of both models: scalar formulas that the kernels compile.
+"""Linearly implicit step of the spatial model, and joint powers of both: scalar formulas that the kernels compile.
 
 ROS2 (Verwer, Spee, Blom and Hundsdorfer, SIAM J. Sci. Comput. 20, 1999), a Rosenbrock W-method of
 order 2 with gamma = 1 - 1/sqrt(2), L-stable. Its approximate Jacobian is that of the joint law, so

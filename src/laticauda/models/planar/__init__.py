@@ -11,6 +11,7 @@ loads          forces on the bodies, from water or ground and effectors (templat
 recursion      accelerations and joint torques from forces (template)
 drives         the reference generator, the joint laws and the work of the joints (template)
 prescribed     the same as recursion, faster, where all joints are prescribed (template)
+driven         steps of robots with free joints, semi-implicit (template)
 stepping       steps in time, by one of two integrators (template)
 adjoint        derivatives backward in time (template)
 pullbacks      the formulas that it is made of, traced

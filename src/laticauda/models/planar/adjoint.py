@@ -133,7 +133,7 @@ def pull_segment(
     """
     S = rows_of(flat)
     G = rows_of(bars)
-    generator_step = stepping.generator_step_of(stepping.RK5, dt)
+    generator_step = stepping.QUARTER * dt
     drives.set_decay(S, generator_step)
     drives.set_reference(S, n, law, tail_link)
     # One loop over all stages, because a stage is compiled into every place that calls it.
@@ -284,7 +284,7 @@ def seed_powers(G, sample, is_sample, run_step, dt):
 
     If a sample is taken at this moment, its works have more bars than those after it.
     """
-    half = 0.5 * stepping.work_step_of(stepping.RK5, dt)
+    half = 0.5 * stepping.HALF * dt
     for k in range(N_WORKS):
         after = G[WORK_ABSOLUTE + k]
         before = after

@@ -19,16 +19,20 @@ lanes. `bindings` holds that of this loading, under the name that `model.TEMPLAT
 from laticauda.compiling import compile_scalar, kernel
 from laticauda.compiling.formulas import rows_from
 from laticauda.compiling.functions import expm1, sincos
-from laticauda.compiling.lanes import any_lane, first_lane
+from laticauda.compiling.lanes import any_lane, first_lane, where
 from laticauda.compiling.templates import bindings
+from laticauda.models.dynamics.semi_implicit import N_STAGES, NODES
 from laticauda.models.dynamics.shared_laws import compile_shared_laws
 from laticauda.models.planar import number_types
 from laticauda.models.planar.rows import *
 from laticauda.motion.gaits import reference
 from laticauda.motion.joints import laws
 from laticauda.motion.joints.kernels import actuator_of
+from laticauda.motion.joints.laws import OWN_DRIVEN, PD_DRIVEN
 
 _own_law = bindings(__name__)["joint_law"]
+NEARBY = 1e-4
+"""Change of a joint's rate over which a law shows its slope [rad/s]."""
 
 shared = compile_shared_laws()
 zero_like = compile_scalar(number_types.zero_like)
@@ -168,65 +172,172 @@ def take_reference(S, b, law, reference):
 
 
 @kernel
-def joint_torques(S, n, law, gamma_dt):
-    """Set torque and slopes of every free joint in the state in S, and what an implicit step makes of them.
-
-    With gamma_dt = 0 there are no implicit terms: the accelerations that follow are those of the
-    state itself. Otherwise they are that of k1 in the method of `dynamics.stages`, which differs
-    from them by a share of the order of dt. TORQUE is that of the state in both cases.
-    """
-    for i in range(1, n):
-        b = HEADER_ROWS + i * BODY_ROWS
-        if law[i] >= FIRST_FREE:
-            torque, slope_p, slope_d = actuator(S, b, law[i])
-            slope_p += S[b + STIFFNESS]
-            slope_d += S[b + DAMPING]
-            S[b + TORQUE] = torque
-            S[b + SLOPE_P] = slope_p
-            S[b + SLOPE_D] = slope_d
-            S[b + IMPLICIT] = shared.implicit_inertia(slope_p, slope_d, gamma_dt)
-            total = torque - skin(S, b) - gamma_dt * slope_p * S[b + RATE]
-            S[b + TOTAL_TORQUE] = total
+def keep_generator(S):
+    """Store the generator's state at the begin of a step."""
+    S[SAVED_TIME] = S[TIME]
+    S[SAVED_TIME + 1] = S[TIME_REST]
+    for r in range(WAVE_ROWS):
+        S[SAVED_WAVES + r] = S[PHASE + r]
 
 
 @kernel
-def second_torques(S, n, law, gamma_dt):
-    """Set the torques of the second stage of an implicit step, by `stages.second_torque`.
+def set_stage_decays(S, dt):
+    """Prepare the generator for stages of steps of `dt`."""
+    for stage in range(N_STAGES):
+        S[STAGE_DECAYS + stage] = 1.0 + expm1(-S[BANDWIDTH] * (NODES[stage] * dt))
 
-    With them, `recursion.accelerations` solves this stage for a = k2 + 2 k1 instead of for k2, which
-    would need a product of the mass matrix and k1; `stages.combined` takes 2 k1 away again.
-    """
+
+@kernel
+def go_to_stage(S, n, law, tail_link, stage, elapsed):
+    """Advance the generator from its stored state to the time of a stage, and set the reference."""
+    S[TIME] = S[SAVED_TIME]
+    S[TIME_REST] = S[SAVED_TIME + 1]
+    for r in range(WAVE_ROWS):
+        S[PHASE + r] = S[SAVED_WAVES + r]
+    S[DECAY] = S[STAGE_DECAYS + stage]
+    advance_reference(S, n, law, tail_link, elapsed)
+
+
+@kernel
+def joint_torques(S, n, law):
+    """Set the torque of every free joint in the state in S; accelerations that follow are those of the state."""
     for i in range(1, n):
         b = HEADER_ROWS + i * BODY_ROWS
         if law[i] >= FIRST_FREE:
-            torque, _, _ = actuator(S, b, law[i])
-            torque -= skin(S, b)
-            inertia, k1_rate, k1 = S[b + IMPLICIT], S[b + SLOPE_ANGLE], S[b + SLOPE_RATE]
-            S[b + TOTAL_TORQUE] = shared.second_torque(
-                torque, S[b + SLOPE_P], inertia, S[b + RATE], k1_rate, k1, gamma_dt
-            )
+            torque, _, _ = actuator(S, b, law[i], S[b + ANGLE], S[b + RATE])
+            S[b + TORQUE] = torque
+            S[b + TOTAL_TORQUE] = torque - skin(S, b)
+            S[b + IMPLICIT] = 0.0
+
+
+@kernel
+def is_curved(law):
+    """Return whether the torque of a joint may depend on its state in a way that no tangent shows."""
+    return law > PD_DRIVEN
+
+
+@kernel
+def lay_tangent(S, b, law, gamma_dt):
+    """Replace the law of a joint by its tangent at the acceleration GUESS, as a torque and an inertia.
+
+    The slopes that a law of one's own states need not be its derivatives (`motion.joints.speed_servo`
+    has a reason for steeper ones), so the torque at a second rate nearby tells.
+    """
+    guess = S[b + GUESS]
+    angle, rate = implicit_state(S, b, guess, gamma_dt)
+    torque, slope_p, slope_d = actuator(S, b, law, angle, rate)
+    torque -= skin_at(S, b, angle, rate)
+    inertia = shared.implicit_inertia(
+        slope_p + S[b + STIFFNESS], slope_d + S[b + DAMPING], gamma_dt
+    )
+    if law == OWN_DRIVEN:
+        further = NEARBY / gamma_dt
+        inertia = (torque - torque_along(S, b, law, guess + further, gamma_dt)) / further
+    S[b + GUESS_TORQUE] = torque
+    S[b + IMPLICIT] = inertia
+    S[b + TOTAL_TORQUE] = torque + inertia * guess
+
+
+@kernel
+def lay_chord(S, b, is_off, torque):
+    """Replace, in lanes where `is_off`, the tangent by the chord to the solution, where the law has this `torque`."""
+    acceleration = S[b + ACCELERATION]
+    distance = where(is_off, acceleration - S[b + GUESS], 1.0 + zero_like(acceleration))
+    inertia = (S[b + GUESS_TORQUE] - torque) / distance
+    S[b + GUESS] = where(is_off, acceleration, S[b + GUESS])
+    S[b + GUESS_TORQUE] = where(is_off, torque, S[b + GUESS_TORQUE])
+    S[b + IMPLICIT] = where(is_off, inertia, S[b + IMPLICIT])
+    S[b + TOTAL_TORQUE] = where(is_off, torque + inertia * acceleration, S[b + TOTAL_TORQUE])
+
+
+@kernel
+def torque_along(S, b, law, acceleration, gamma_dt):
+    """Return the torque of law and skin in the implicit state that belongs to an acceleration."""
+    angle, rate = implicit_state(S, b, acceleration, gamma_dt)
+    torque, _, _ = actuator(S, b, law, angle, rate)
+    return torque - skin_at(S, b, angle, rate)
+
+
+@kernel
+def torque_on_tangent(S, b, acceleration):
+    """Return the torque of the tangent or chord for an acceleration."""
+    return S[b + TOTAL_TORQUE] - S[b + IMPLICIT] * acceleration
+
+
+@kernel
+def implicit_state(S, b, acceleration, gamma_dt):
+    """Return angle and rate of a joint in the implicit state that belongs to an acceleration."""
+    change = gamma_dt * acceleration
+    return S[b + COAST_ANGLE] + gamma_dt * change, S[b + COAST_RATE] + change
 
 
 @kernel
 def skin(S, b):
     """Return the torque of the skin (or a hinge) against the joint's angle and rate."""
-    return S[b + STIFFNESS] * S[b + ANGLE] + S[b + DAMPING] * S[b + RATE]
+    return skin_at(S, b, S[b + ANGLE], S[b + RATE])
 
 
 @kernel
-def actuator(S, b, law):
-    """Return the torque of the joint's actuator and its slopes."""
-    motion = S[b + ANGLE], S[b + RATE], S[b + REFERENCE], S[b + REFERENCE_1], S[b + REFERENCE_2]
+def skin_at(S, b, angle, rate):
+    """Return the torque of the skin (or a hinge) against an angle and a rate."""
+    return S[b + STIFFNESS] * angle + S[b + DAMPING] * rate
+
+
+@kernel
+def actuator(S, b, law, angle, rate):
+    """Return the torque of the joint's actuator at an angle and a rate, and its slopes."""
+    motion = angle, rate, S[b + REFERENCE], S[b + REFERENCE_1], S[b + REFERENCE_2]
     return follow_law(law, motion, drive_of(S, b), law_numbers(S))
 
 
 @kernel
-def count_work(S, n, law, dt):
-    """Set the torques that the actuators deliver, and add the work since work was counted last, dt ago.
+def add_work(S, n, law, gamma_dt, duration):
+    """Add the work at the powers of a stage for a duration, once its accelerations are known."""
+    S[WORK_ELECTRICAL] += duration * S[ACTIVE_POWER]
+    for i in range(1, n):
+        b = HEADER_ROWS + i * BODY_ROWS
+        if law[i] == PRESCRIBED or law[i] > PASSIVE:
+            angle, rate = S[b + ANGLE], S[b + RATE]
+            torque = S[b + TOTAL_TORQUE]
+            if law[i] != PRESCRIBED:
+                acceleration = S[b + ACCELERATION]
+                angle, rate = implicit_state(S, b, acceleration, gamma_dt)
+                torque = torque_on_tangent(S, b, acceleration)
+            torque += skin_at(S, b, angle, rate)
+            absolute, net, positive = shared.joint_powers(torque, rate)
+            S[WORK_ABSOLUTE] += duration * absolute
+            S[WORK_NET] += duration * net
+            S[WORK_POSITIVE] += duration * positive
+            if any_lane(S[b + STALL_POWER].real > 0.0):
+                electrical = shared.motor_power(torque, rate, *motor_of(S, b))
+                S[WORK_ELECTRICAL] += duration * electrical
 
-    By the trapezoidal rule: the powers of that time are still in their rows. The actuator of a joint
-    whose motion is known delivers what `recursion.holding_torques` found, and the torque of its
-    skin. A locked joint has neither rate nor skin: it does no work.
+
+@kernel
+def count_work(S, n, law, dt):
+    """Set the torques and powers of the actuators, and add the work since work was counted last, dt ago.
+
+    By the trapezoidal rule: the powers of that time are still in their rows.
+    """
+    half = 0.5 * dt
+    for k, power in enumerate(deliver_powers(S, n, law)):
+        S[WORK_ABSOLUTE + k] += half * (S[POWER_ABSOLUTE + k] + power)
+        S[POWER_ABSOLUTE + k] = power
+
+
+@kernel
+def set_powers(S, n, law):
+    """Set the torques and powers of the actuators."""
+    for k, power in enumerate(deliver_powers(S, n, law)):
+        S[POWER_ABSOLUTE + k] = power
+
+
+@kernel
+def deliver_powers(S, n, law):
+    """Set the torques that the actuators deliver in the state in S, and return their powers.
+
+    The actuator of a joint whose motion is known delivers what `recursion.holding_torques` found,
+    and the torque of its skin. A locked joint has neither rate nor skin: it does no work.
     """
     absolute = zero_like(S[TIME])
     net, positive = absolute, absolute
@@ -241,7 +352,4 @@ def count_work(S, n, law, dt):
         absolute += magnitude
         net += signed
         positive += delivered
-    half = 0.5 * dt
-    for k, power in enumerate((absolute, net, positive, electrical)):
-        S[WORK_ABSOLUTE + k] += half * (S[POWER_ABSOLUTE + k] + power)
-        S[POWER_ABSOLUTE + k] = power
+    return absolute, net, positive, electrical

@@ -37,6 +37,7 @@ TEMPLATES = {
     "recursion": ("n_lanes", "drag_law", "flow_parts"),
     "drives": ("n_lanes", "joint_law"),
     "prescribed": ("n_lanes", "drag_law", "flow_parts"),
+    "driven": ("n_lanes", "drag_law", "flow_parts", "joint_law"),
     "stepping": ("n_lanes", "drag_law", "flow_parts", "joint_law"),
 }
 """Templates of the kernels in the order of their loading, and the names that each is loaded anew for.
@@ -100,15 +101,16 @@ class Kernels:
 class PlanarPlant(Plant[Planar]):
     """A robot in the plane: n links, joints prescribed or driven by a law; pitch joints are omitted.
 
-    The default steps converge the paper's trials to 1e-6 of the distance with prescribed joints
-    (RK5), 1e-4 with driven joints (ROS2) and 1e-5 with an elastic fin behind prescribed joints
-    (ROS2): see `benchmarks/convergence.py`.
+    At the default steps, speeds are right to 1e-5 and mean powers to 1e-4 (with prescribed joints
+    1e-6 and 4e-4): see `benchmarks/convergence.py` and tests/models/planar/test_accuracy.py.
     """
 
     settings: Planar = Planar()  # noqa: RUF009 - frozen
 
     name: ClassVar[str] = "planar"
     usual_dt: ClassVar[float] = 0.05
+    longest_driven_dt: ClassVar[float] = 0.05
+    elastic_dt: ClassVar[float] = 0.01
     generator: ClassVar[tuple[slice, ...]] = (
         slice(column_of(rows.PHASE), column_of(rows.OFFSET_RATE) + 1),
         slice(column_of(rows.FIN_PHASE), column_of(rows.FIN_OFFSET_RATE) + 1),

@@ -10,6 +10,7 @@ no other change here. Names of the header are rows of the array. Names of a reco
 the record's begin: with `b` the first row of a body, its rate is ``S[b + RATE]``.
 """
 
+from laticauda.models.dynamics.semi_implicit import N_STAGES
 from laticauda.motion.gaits import WaveState
 from laticauda.motion.joints import (
     FIRST_FREE as FIRST_FREE,
@@ -46,6 +47,8 @@ BASE_ROWS = 2 * N_FREEDOMS + 1
 """Rows of the base's state, HEADING to EDGE_MEMORY: the degrees of freedom, their rates, the state of an edge."""
 MOST_STAGES = 6
 """Stages whose slopes a step can keep: the room in SLOPES, which a method need not fill."""
+JOINT_STAGES = N_STAGES
+"""Stages of steps with free joints, whose slopes joints keep."""
 
 # --- Motion of the water at a point; only if the water has a flow -----------------------------------
 _water = _Counter()
@@ -133,6 +136,8 @@ FIN_AMPLITUDE_NOW = FIN_PHASE + FIN_WAVE.index("amplitude")
 FIN_FREQUENCY_NOW = FIN_PHASE + FIN_WAVE.index("frequency")
 FIN_OFFSET_NOW = FIN_PHASE + FIN_WAVE.index("offset")
 FIN_OFFSET_RATE = FIN_PHASE + FIN_WAVE.index("offset_rate")
+WAVE_ROWS = _header.n - PHASE
+"""Rows of the state of both waves."""
 WORK_ABSOLUTE = _header.take()  # integral of sum |u phi'| [J]
 WORK_NET = _header.take()  # integral of sum u phi' [J]
 WORK_POSITIVE = _header.take()  # integral of sum max(u phi', 0) [J]
@@ -143,7 +148,7 @@ N_WORKS = WORK_ELECTRICAL + 1 - WORK_ABSOLUTE
 """Kinds of work, each with a power."""
 
 # --- Header: scratch, which every stage of a step computes anew ----------------------------------------
-HEADING_ACCELERATION = _header.take()  # these three may hold implicit terms, see `stepping.run`
+HEADING_ACCELERATION = _header.take()
 AX = _header.take()
 AY = _header.take()
 POWER_ABSOLUTE = _header.take()  # powers when work was counted last, in the order of the works [W]
@@ -156,6 +161,9 @@ SIN_SHIFT = _header.take()
 COS_SHIFT = _header.take()
 KNOT = _header.take()  # last knot of the recording before the current time
 DECAY = _header.take()  # decay of the generator's filters over one of its steps
+STAGE_DECAYS = _header.take(JOINT_STAGES)  # the same from the begin of a step to its stages
+SAVED_TIME = _header.take(2)  # TIME and TIME_REST at the start of a step
+SAVED_WAVES = _header.take(WAVE_ROWS)  # the rows from PHASE on at the start of a step
 WELL = _header.take()  # 1 until the lane's numbers leave the finite range, then 0
 SAMPLES = _header.take()  # number of samples logged until then
 SAVED = _header.take(BASE_ROWS)  # the base's state at the start of a step
@@ -217,13 +225,11 @@ RATE = _body.take()  # phi'
 REFERENCE = _body.take()  # phi_ref and its derivatives
 REFERENCE_1 = _body.take()
 REFERENCE_2 = _body.take()
-ACCELERATION = _body.take()  # phi''; may hold implicit terms, see `stepping.run`
+ACCELERATION = _body.take()  # phi''
 TORQUE = _body.take()  # u: what the actuator delivers [N m]
 # free joint: actuator, skin and implicit terms; prescribed joint: the required torque
 TOTAL_TORQUE = _body.take()
 IMPLICIT = _body.take()  # what an implicit step adds to the inertia about the joint [kg m^2]
-SLOPE_P = _body.take()  # -du/dphi, skin included, at the start of a step
-SLOPE_D = _body.take()  # -du/dphi'
 COS = _body.take()
 SIN = _body.take()
 LINK_RATE = _body.take()  # theta'
@@ -262,11 +268,15 @@ ARM_T = _body.take()  # from the tail end of body 0 to that of this body, link a
 ARM_N = _body.take()
 # share of this body's direction in the way from the tail end of body 0 to the center of mass [m]
 MEAN_ARM = _body.take()
-# state of the joint at the start of a step, and the slope of its first stage
+# free joints: state at the start of a step, and slopes of the stages, see `driven`
 SAVED_ANGLE = _body.take()
 SAVED_RATE = _body.take()
-SLOPE_ANGLE = _body.take()
-SLOPE_RATE = _body.take()
+STAGE_RATES = _body.take(JOINT_STAGES)
+STAGE_ACCELERATIONS = _body.take(JOINT_STAGES)
+COAST_ANGLE = _body.take()  # implicit state of the stage if the joint did not accelerate
+COAST_RATE = _body.take()
+GUESS = _body.take()  # acceleration at which the tangent touches the law
+GUESS_TORQUE = _body.take()  # torque of the law there, less that of the skin [N m]
 BODY_ROWS = _body.n
 
 # --- One record per fin strip, which is an element ------------------------------------------------------

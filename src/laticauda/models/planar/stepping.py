@@ -3,13 +3,9 @@
 - False, all joints prescribed: RK5, Butcher's Runge-Kutta method of order 5 for the three remaining
   degrees of freedom. Its six stages lie at quarters of the step, so the reference is needed only
   four times per step; at an error of 1e-6 it takes three quarters of the evaluations of the classic
-  method of order 4.
-- True, any joint free (pd, servo, hinge): ROS2, of order 2 and linearly implicit
-  (`laticauda.models.dynamics.stages`), with two stages: at the begin and at the end of the step.
-
-Two shares of dt belong to a method: that of a step of the reference generator, and that between two
-moments at which work is counted. `generator_step_of` and `work_step_of` define them; no other place
-does.
+  method of order 4. Work is counted twice per step.
+- True, any joint free (pd, servo, hinge): a semi-implicit method of order 3 with four stages
+  (`driven`), which integrates the works too. The first step of a run is divided into parts.
 
 `run` is the loop. `S` is the flat array of `rows`, and types of its numbers are a matter of
 `number_types`; the arguments from `n` to `has_extras` are the shape of the chain of bodies
@@ -27,8 +23,8 @@ names that `model.TEMPLATES` lists. Python calls its entry points.
 from laticauda.compiling import compile_scalar, entry, kernel, lane_types
 from laticauda.compiling.lanes import any_lane, magnitude, where
 from laticauda.compiling.templates import bindings
-from laticauda.models.dynamics import stages
-from laticauda.models.dynamics.stages import FARTHEST, GAMMA, STRONGEST
+from laticauda.models.dynamics import semi_implicit
+from laticauda.models.dynamics.stages import FARTHEST, STRONGEST
 from laticauda.models.planar import sample_format
 from laticauda.models.planar.rows import *
 
@@ -38,12 +34,10 @@ loads = _specialization["loads"]
 recursion = _specialization["recursion"]
 drives = _specialization["drives"]
 prescribed = _specialization["prescribed"]
+driven = _specialization["driven"]
 
-combined = compile_scalar(stages.combined)
+length_of_part = compile_scalar(semi_implicit.length_of_part)
 column_of_joint = compile_scalar(sample_format.column_of_joint)
-RK5 = False
-ROS2 = True
-"""Values of `implicit`."""
 QUARTER = 0.25
 """Share of a step of RK5 between two moments at which its stages lie."""
 HALF = 0.5
@@ -76,33 +70,34 @@ def run(
     that point; the others are unaffected. Returns the largest number of samples that any lane
     counted.
 
-    Of which moment the accelerations are when a sample is written depends on the joints. All
-    prescribed, or mixed (`any_prescribed`): they are those of the state. All driven or free: they
-    are those of the first stage, with implicit terms, since nobody pays for an evaluation more. A
-    sample holds none of them, and torque and power of a free joint come from its law and the state.
-    A figure that does need accelerations is computed afterwards, as `link_forces` does.
+    The accelerations when a sample is written are those of the state. A sample holds none of them; a
+    figure that needs them is computed afterwards, as `link_forces` does.
     """
     S = rows_of(flat)
     is_free = free_joints(law)
-    is_mixed = implicit and any_prescribed(law, n)
-    drives.set_decay(S, generator_step_of(implicit, dt))
+    holds = any_prescribed(law, n)
+    drives.set_decay(S, QUARTER * dt)
     drives.set_reference(S, n, law, tail_link)
     S[WELL] = 1.0
     S[SAMPLES] = 0.0
     written = 0
+    length_prepared = 0.0
     for step in range(steps + 1):
-        # The state: its torques, and the work up to it; its accelerations, or those of the first
-        # stage.
-        if implicit:
-            # Without implicit terms if joints are mixed: the torques that hold the prescribed ones
-            # follow from accelerations, which must then be those of the state itself.
-            drives.joint_torques(S, n, law, 0.0 if is_mixed else GAMMA * dt)
-        recursion.accelerations(
-            S, n, first_strip, first_plate, is_free, tail_link, has_extras, True
-        )
-        recursion.holding_torques(S, n, is_free)
-        drives.count_work(S, n, law, 0.0 if step == 0 else work_step_of(implicit, dt))
-        if step % every == 0:
+        # The state: its torques and powers; with prescribed joints alone, this is the first stage of
+        # the step, and work is counted.
+        is_sample = step % every == 0
+        if is_sample or not implicit:
+            if implicit:
+                drives.joint_torques(S, n, law)
+            recursion.accelerations(
+                S, n, first_strip, first_plate, is_free, tail_link, has_extras, True
+            )
+            recursion.holding_torques(S, n, is_free)
+            if implicit:
+                drives.set_powers(S, n, law)
+            else:
+                drives.count_work(S, n, law, 0.0 if step == 0 else HALF * dt)
+        if is_sample:
             write_sample(S, n, rows_of(log[step // every]), log.shape[1])
             S[WELL] = where(is_within_bounds(S, n), S[WELL], 0.0)
             if not any_lane(S[WELL].real > 0.0):
@@ -111,16 +106,27 @@ def run(
             written += 1
         if step == steps:
             break
-        # The step; its first stage is the state, but for the implicit terms left out above.
-        if is_mixed:
-            drives.joint_torques(S, n, law, GAMMA * dt)
-            recursion.accelerations(
-                S, n, first_strip, first_plate, is_free, tail_link, has_extras, False
-            )
-        if implicit:
-            finish_ros2(S, n, first_strip, first_plate, law, is_free, tail_link, has_extras, dt)
-        else:
+        if not implicit:
             finish_rk5(S, n, first_strip, first_plate, law, is_free, tail_link, has_extras, dt)
+            continue
+        n_parts = driven.count_parts(S, dt)
+        for part in range(n_parts):
+            length = length_of_part(part, n_parts, dt)
+            if length != length_prepared:
+                drives.set_stage_decays(S, length)
+                length_prepared = length
+            driven.advance(
+                S,
+                n,
+                first_strip,
+                first_plate,
+                law,
+                is_free,
+                tail_link,
+                has_extras,
+                holds,
+                length,
+            )
     return written
 
 
@@ -139,7 +145,7 @@ def run_prescribed(
 @kernel
 def march_prescribed(S, n, law, tail_link, is_still, steps, dt, every, log):
     """Run RK5 as `run` does; one loop over all stages, because a stage is compiled into every place that calls it."""
-    generator_step = generator_step_of(RK5, dt)
+    generator_step = QUARTER * dt
     drives.set_decay(S, generator_step)
     drives.set_reference(S, n, law, tail_link)
     S[WELL] = 1.0
@@ -156,7 +162,7 @@ def march_prescribed(S, n, law, tail_link, is_still, steps, dt, every, log):
         prescribed.accelerations(S, n, is_still, counts)
         if counts:
             prescribed.holding_torques(S, n)
-            since_counted = work_step_of(RK5, dt)
+            since_counted = HALF * dt
             if evaluation == 0:
                 since_counted = 0.0
             drives.count_work(S, n, law, since_counted)
@@ -176,18 +182,6 @@ def march_prescribed(S, n, law, tail_link, is_still, steps, dt, every, log):
     return written
 
 
-@kernel
-def generator_step_of(implicit, dt):
-    """Return the step of the reference generator: ROS2 needs the reference at the end of its step, RK5 at quarters."""
-    return dt if implicit else QUARTER * dt
-
-
-@kernel
-def work_step_of(implicit, dt):
-    """Return the time between two moments at which work is counted: once a step with ROS2, twice with RK5."""
-    return dt if implicit else HALF * dt
-
-
 @entry
 def evaluate(flat, n, first_strip, first_plate, is_free, tail_link, has_extras):
     """Compute accelerations and torques of the state in `flat` from REFERENCE_2 (prescribed) or TOTAL_TORQUE (free)."""
@@ -200,8 +194,7 @@ def evaluate(flat, n, first_strip, first_plate, is_free, tail_link, has_extras):
 def link_forces(flat, n, first_strip, first_plate, law, tail_link, has_extras, log, force):
     """Compute the force on every body at every sample of a log, in world axes: drag, added mass, effectors.
 
-    The accelerations are those of the state, never with implicit terms: the pattern for any figure
-    that needs them.
+    The accelerations are those of the state: the pattern for any figure that needs them.
 
     `force` has shape (n_samples, 3, n, 2, lanes).
     """
@@ -210,7 +203,7 @@ def link_forces(flat, n, first_strip, first_plate, law, tail_link, has_extras, l
     for sample in range(len(log)):
         read_sample(S, n, rows_of(log[sample]))
         drives.set_reference(S, n, law, tail_link)
-        drives.joint_torques(S, n, law, 0.0)
+        drives.joint_torques(S, n, law)
         recursion.accelerations(
             S, n, first_strip, first_plate, is_free, tail_link, has_extras, True
         )
@@ -225,12 +218,7 @@ def free_joints(law):
 
 @kernel
 def any_prescribed(law, n):
-    """Return whether any joint is prescribed, whose torque is then looked at.
-
-    A locked joint (the rigid root of a fin with hinges) is no reason to evaluate twice: it does no
-    work and no `Samples` show it. Beside driven joints, its TORQUE therefore contains implicit
-    terms, of the order of dt, see tests/models/planar/test_fin.py.
-    """
+    """Return whether any joint is prescribed, whose torque does work; that of a locked one does none."""
     for i in range(1, n):
         if law[i] == PRESCRIBED:
             return True
@@ -246,13 +234,13 @@ def finish_rk5(S, n, first_strip, first_plate, law, is_free, tail_link, has_extr
         keep_slope(S, stage)
         step_ahead(S, dt, WEIGHTS[stage], stage + 1)
         if stage != SAME_TIME:
-            drives.advance_reference(S, n, law, tail_link, generator_step_of(RK5, dt))
+            drives.advance_reference(S, n, law, tail_link, QUARTER * dt)
         recursion.accelerations(
             S, n, first_strip, first_plate, is_free, tail_link, has_extras, stage == MIDDLE
         )
         if stage == MIDDLE:
             recursion.holding_torques(S, n, is_free)
-            drives.count_work(S, n, law, work_step_of(RK5, dt))
+            drives.count_work(S, n, law, HALF * dt)
     keep_slope(S, RK5_STAGES - 1)
     step_ahead(S, dt, WEIGHTS[RK5_STAGES - 1], RK5_STAGES)
 
@@ -275,76 +263,6 @@ def step_ahead(S, dt, weights, n_stages):
         for stage in range(1, n_stages):
             slope += weights[stage] * S[SLOPES + BASE_ROWS * stage + r]
         S[HEADING + r] = S[SAVED + r] + dt * slope
-
-
-@kernel
-def finish_ros2(S, n, first_strip, first_plate, law, is_free, tail_link, has_extras, dt):
-    """Finish the step by the equation of `dynamics.stages`, y(t + h) = y + h (3/2 k1 + 1/2 k2).
-
-    S already holds the accelerations of k1. `stages.combined` gives the sum in brackets, from k1 and
-    the a = k2 + 2 k1 for which `drives.second_torques` makes the recursion solve.
-    """
-    gamma_dt = GAMMA * dt
-    keep_first_slope(S, n, is_free, dt, gamma_dt)
-    drives.advance_reference(S, n, law, tail_link, generator_step_of(ROS2, dt))
-    drives.second_torques(S, n, law, gamma_dt)
-    recursion.accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras, False)
-    for r in range(N_FREEDOMS):
-        first_rate, first_acceleration = S[SLOPES + r], S[SLOPES + N_FREEDOMS + r]
-        slope = combined(
-            S[HEADING_RATE + r],
-            S[HEADING_ACCELERATION + r],
-            first_rate,
-            first_acceleration,
-            gamma_dt,
-        )
-        S[HEADING + r] = S[SAVED + r] + dt * slope[0]
-        S[HEADING_RATE + r] = S[SAVED + N_FREEDOMS + r] + dt * slope[1]
-    # The state of an edge is explicit: the same formula without implicit terms.
-    memory = EDGE_MEMORY - HEADING
-    mean_rate = 0.5 * (S[SLOPES + memory] + S[EDGE_MEMORY_RATE])
-    S[EDGE_MEMORY] = S[SAVED + memory] + dt * mean_rate
-    for i in range(1, n):
-        b = HEADER_ROWS + i * BODY_ROWS
-        if is_free[i]:
-            first_rate, first_acceleration = S[b + SLOPE_ANGLE], S[b + SLOPE_RATE]
-            slope = combined(
-                S[b + RATE], S[b + ACCELERATION], first_rate, first_acceleration, gamma_dt
-            )
-            S[b + ANGLE] = S[b + SAVED_ANGLE] + dt * slope[0]
-            S[b + RATE] = S[b + SAVED_RATE] + dt * slope[1]
-
-
-@kernel
-def keep_first_slope(S, n, is_free, dt, gamma_dt):
-    """Store y and k1, and move the state to y + h k1, where k2 is evaluated.
-
-    k1 is (rate + gamma h acceleration, acceleration), see `dynamics.stages`.
-    """
-    for r in range(N_FREEDOMS):
-        acceleration = S[HEADING_ACCELERATION + r]
-        slope = S[HEADING_RATE + r] + gamma_dt * acceleration
-        S[SAVED + r] = S[HEADING + r]
-        S[SAVED + N_FREEDOMS + r] = S[HEADING_RATE + r]
-        S[SLOPES + r] = slope
-        S[SLOPES + N_FREEDOMS + r] = acceleration
-        S[HEADING + r] += dt * slope
-        S[HEADING_RATE + r] += dt * acceleration
-    memory = EDGE_MEMORY - HEADING
-    S[SAVED + memory] = S[EDGE_MEMORY]
-    S[SLOPES + memory] = S[EDGE_MEMORY_RATE]
-    S[EDGE_MEMORY] += dt * S[EDGE_MEMORY_RATE]
-    for i in range(1, n):
-        b = HEADER_ROWS + i * BODY_ROWS
-        if is_free[i]:
-            acceleration = S[b + ACCELERATION]
-            slope = S[b + RATE] + gamma_dt * acceleration
-            S[b + SAVED_ANGLE] = S[b + ANGLE]
-            S[b + SAVED_RATE] = S[b + RATE]
-            S[b + SLOPE_ANGLE] = slope
-            S[b + SLOPE_RATE] = acceleration
-            S[b + ANGLE] += dt * slope
-            S[b + RATE] += dt * acceleration
 
 
 @kernel

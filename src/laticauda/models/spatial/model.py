@@ -9,7 +9,7 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from laticauda.models.dynamics.plant import ELASTIC_DT, Plant
+from laticauda.models.dynamics.plant import Plant
 from laticauda.models.dynamics.sampled_loads import SampledLoads
 from laticauda.models.dynamics.samples import PlantState, Samples
 from laticauda.models.spatial import rows, water_robot
@@ -58,6 +58,8 @@ class SpatialPlant(Plant[Spatial]):
 
     name: ClassVar[str] = "spatial"
     usual_dt: ClassVar[float] = 0.01
+    longest_driven_dt: ClassVar[float] = 0.002
+    elastic_dt: ClassVar[float] = 0.005
     generator: ClassVar[tuple[slice, ...]] = (
         slice(rows.PHASE, rows.WORK_ABSOLUTE),
         slice(rows.PITCH, rows.FIN),
@@ -257,7 +259,7 @@ class SpatialPlant(Plant[Spatial]):
         if self.settings.surroundings is not None:
             dt = min(dt, self.settings.surroundings.dt)
         if self.is_implicit:
-            dt = min(dt, ELASTIC_DT)
+            dt = min(dt, self.elastic_dt)
         return dt
 
     def _inputs(self, command: Command) -> KernelInputs:

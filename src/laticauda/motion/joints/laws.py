@@ -63,8 +63,8 @@ class JointLaw(Law, Extensible, group="joint_laws"):
     """Whether joints follow the reference exactly, whatever torque that requires."""
     powered: ClassVar[bool] = False
     """Whether the motors' electrical power is always computed."""
-    dt: ClassVar[float | None] = 0.002
-    """Time step at which the law is converged [s]; None: that of the model's own integrator."""
+    dt: ClassVar[float | None] = 0.005
+    """Time step at which the law is converged in the planar model [s]; None: that of the model's own integrator."""
     ramp: ClassVar[float] = 0.0
     """Default duration of the smooth start [s]."""
     takes_jumps: ClassVar[bool] = False
@@ -164,6 +164,7 @@ class PD(JointLaw):
         E. Kelasidi et al., IEEE Robot. Autom. Mag. 23(1), 2016, eq. (20).
     """
 
+    dt: ClassVar[float | None] = 1.0 / 120.0
     remedy: ClassVar[str] = "a smaller `dt`, or lower `proportional_gain` and `derivative_gain`"
 
     def __call__(
@@ -194,6 +195,7 @@ class Servo(JointLaw):
     """Hobby servos as in the real robot, see `servo`."""
 
     powered: ClassVar[bool] = True
+    dt: ClassVar[float | None] = 1.0 / 160.0
     takes_jumps: ClassVar[bool] = True
     remedy: ClassVar[str] = "a smaller `dt`, or a lower `servo_gain` and `friction_torque`"
 

@@ -30,6 +30,7 @@ class SpeedServo(Servo):
         "N m s/rad", "k_u, torque demanded per rate error", gt=0.0, default=4.0
     )
 
+    dt: ClassVar[float | None] = 0.005
     remedy: ClassVar[str] = "a smaller `dt`, or a lower `speed_gain` and `friction_torque`"
 
     def __call__(
