@@ -49,6 +49,16 @@ ROS_TYPES = {
 """ROS types of fields by their Python types; all others are arrays."""
 
 
+NOT_RECORDED = ("energy", "readings")
+"""Fields of an `Estimate` that only a simulated robot fills."""
+
+
+def _recorded_fields(entry_class: type[Any]) -> dict[str, Any]:
+    """Return the types of the fields of a class that are recorded, by name."""
+    hints = hints_of(entry_class)
+    return {name: hint for name, hint in hints.items() if name not in NOT_RECORDED}
+
+
 def ros_type_of(entry_class: type[Any]) -> str:
     """Return the ROS type of the entries of a class."""
     return f"laticauda_msgs/{entry_class.__name__}"
@@ -57,7 +67,7 @@ def ros_type_of(entry_class: type[Any]) -> str:
 def _define_ros_type(entry_class: type[Any]) -> str:
     """Return the definition of a ROS type: a line for each field."""
     definition = ""
-    for name, hint in hints_of(entry_class).items():
+    for name, hint in _recorded_fields(entry_class).items():
         ros_type = ROS_TYPES.get(hint, "float64[]")
         definition += f"{ros_type} {name}\n"
     return definition
@@ -71,7 +81,8 @@ def content_of(entry: Any) -> list[Any]:
     """Return the content of an entry's message, field by field."""
     entry_class = cast("type[Any]", type(entry))
     return [
-        _encode_field(getattr(entry, name), hint) for name, hint in hints_of(entry_class).items()
+        _encode_field(getattr(entry, name), hint)
+        for name, hint in _recorded_fields(entry_class).items()
     ]
 
 
@@ -90,7 +101,7 @@ def entry_of(topic: str, content: Mapping[str, Any]) -> Any:
     entry_class = TOPICS[topic]
     fields = {
         name: _decode_field(name, content[name], hint)
-        for name, hint in hints_of(entry_class).items()
+        for name, hint in _recorded_fields(entry_class).items()
     }
     return entry_class(**fields)
 
