@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from laticauda.missions.behaviours import (
         Behaviour as Behaviour,
         FollowWall as FollowWall,
+        Hover as Hover,
+        KeepStation as KeepStation,
         Rest as Rest,
         Search as Search,
         StandOff as StandOff,
@@ -60,6 +62,8 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.missions.behaviours": [
             "Behaviour",
             "FollowWall",
+            "Hover",
+            "KeepStation",
             "Rest",
             "Search",
             "StandOff",

@@ -31,8 +31,12 @@ class Estimate:
     """Its standard deviation along each axis [m]."""
     velocity: tuple[float, float]
     """Velocity of the middle over ground, mean over about a cycle [m/s]."""
+    velocity_now: tuple[float, float]
+    """The same, not averaged [m/s]."""
     heading: float
     """Direction of the body, mean over the last cycle, unwrapped [rad]."""
+    heading_now: float
+    """The same, not averaged [rad]."""
     bow: tuple[float, float]
     """Point half a body ahead of the middle along the heading, where the head is without its swing [m]."""
     current: tuple[float, float]

@@ -230,6 +230,8 @@ class Mission(Controller[MissionState]):
         gait = self.gait
         if steering.effort != 1.0:
             gait = replace(gait, amplitude=steering.effort * gait.amplitude)
+        if steering.pace != 1.0:
+            gait = replace(gait, frequency=steering.pace * gait.frequency)
         return Command(
             gait=gait,
             offset=offset,

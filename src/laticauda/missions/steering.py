@@ -24,6 +24,8 @@ class Steering:
     """Offset of the pitch joints, positive down [rad]."""
     effort: float = 1.0
     """Share of the gait's amplitude, 0: the joints rest [-]."""
+    pace: float = 1.0
+    """Share of the gait's frequency [-]."""
     thrusts: tuple[float, ...] | None = None
     """Thrust of every driven thruster; None: its own [N]."""
 

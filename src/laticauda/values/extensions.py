@@ -22,6 +22,8 @@ ENTRY_POINTS = "laticauda."
 HOMES: Mapping[str, Mapping[str, str]] = {
     "behaviours": {
         "follow-wall": "laticauda.missions.behaviours.walls",
+        "hover": "laticauda.missions.behaviours.station",
+        "keep-station": "laticauda.missions.behaviours.station",
         "rest": "laticauda.missions.behaviours.routes",
         "search": "laticauda.missions.behaviours.routes",
         "stand-off": "laticauda.missions.behaviours.walls",
