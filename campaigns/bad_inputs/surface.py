@@ -60,6 +60,7 @@ RUNS: Mapping[str, tuple[str, ...]] = {
         "identify trial.nc --parameters water.normal_drag --robot mamba --starts 1 --threads 1 --output out",
         "identify task.toml --quick --output out",
     ),
+    "mission": ("mission net-inspection --duration 2 --save new.nc",),
     "predict": ("predict fit",),
     "design-experiment": (
         "design-experiment --parameters water.normal_drag --sensors speed --trials 1 --output plan.png",

@@ -59,7 +59,7 @@ COMMANDS = _read_commands()
 """All commands by the words that are typed, such as `trial show`."""
 FIRST_TO_TRY = "laticauda swim mamba"
 COMMANDS_BY_PURPOSE: dict[str, tuple[str, ...]] = {
-    "Swim": ("swim", "follow", "cockpit", "robots"),
+    "Swim": ("swim", "follow", "mission", "cockpit", "robots"),
     "Look at trials": ("view", "trial"),
     "Study": ("sweep", "optimize", "reproduce"),
     "Measure": ("identify", "predict", "design-experiment", "lab", "operate", "drivers", "replay"),

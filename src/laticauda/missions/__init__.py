@@ -10,6 +10,7 @@ mission.py     the table of phases, which is a controller
 running.py     runs of missions, and what came of them
 inspection.py  how near the body came to places, and what was seen of a net
 campaign.py    one mission in many waters, with sensors that fail
+drawing.py     pictures: the table as a diagram, a run as a map
 files.py       missions as files, in TOML
 """
 
@@ -30,6 +31,15 @@ if TYPE_CHECKING:
         SwimRoute as SwimRoute,
         SwimStraight as SwimStraight,
     )
+    from laticauda.missions.campaign import (
+        CampaignSummary as CampaignSummary,
+        Conditions as Conditions,
+        change_scenario as change_scenario,
+        draw_conditions as draw_conditions,
+        run_campaign as run_campaign,
+        summarize_campaign as summarize_campaign,
+    )
+    from laticauda.missions.drawing import draw_map as draw_map, draw_phases as draw_phases
     from laticauda.missions.estimate import Echo as Echo, Estimate as Estimate
     from laticauda.missions.files import (
         list_missions as list_missions,
@@ -71,6 +81,15 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "SwimRoute",
             "SwimStraight",
         ],
+        "laticauda.missions.campaign": [
+            "CampaignSummary",
+            "Conditions",
+            "change_scenario",
+            "draw_conditions",
+            "run_campaign",
+            "summarize_campaign",
+        ],
+        "laticauda.missions.drawing": ["draw_map", "draw_phases"],
         "laticauda.missions.estimate": ["Echo", "Estimate"],
         "laticauda.missions.files": ["list_missions", "load_mission"],
         "laticauda.missions.mission": ["Avoidance", "Mission", "Way"],

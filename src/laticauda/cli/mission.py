@@ -1,0 +1,164 @@
+"""`laticauda mission`: a robot on a mission, once, under drawn conditions, or many times."""
+
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from laticauda.cli.command import Command, Outcome
+from laticauda.cli.flags import (
+    BadFlag,
+    File,
+    OutputFile,
+    PictureOutput,
+    PresetArgument,
+    TrialOutput,
+)
+from laticauda.cli.scene import warn_of_compiling
+from laticauda.cli.tables import wrap_rows
+from laticauda.missions import (
+    CampaignSummary,
+    Conditions,
+    Mission,
+    MissionResult,
+    change_scenario,
+    draw_conditions,
+    draw_map,
+    draw_phases,
+    list_missions,
+    load_mission,
+    run_campaign,
+    run_mission,
+    summarize_campaign,
+)
+from laticauda.scenarios import Scenario, Spatial
+from laticauda.show.figures import save_figure
+from laticauda.values import option, quantity, to_plain, value_class
+
+NEVER_FAILING = ("battery",)
+"""Sensors that do not fail in drawn conditions."""
+
+
+@value_class
+class RunMission(Command):
+    """Run a mission: a table of phases by which a robot finds, inspects and docks, by its sensors alone.
+
+    For example: laticauda mission net-inspection --seed 3 --plot map.png --diagram phases.png
+    """
+
+    name: PresetArgument = option(
+        "A mission that comes with laticauda, or a TOML file; a list if omitted", default=None
+    )
+    model: Literal["planar", "spatial"] | None = option(
+        "The model; if omitted, the file's", default=None
+    )
+    seed: int | None = quantity(
+        "", "Draw water, start and failing sensors by this seed", ge=0, default=None
+    )
+    duration: float | None = quantity(
+        "s", "Longest duration; if omitted, the file's", gt=0.0, default=None
+    )
+    runs: int | None = quantity("", "Run a campaign of so many seeds", ge=1, default=None)
+    table: Annotated[File, OutputFile((".csv",))] = option(
+        "Table of the campaign's runs, which a stopped campaign goes on with", default=None
+    )
+    save: TrialOutput = option("Write the trial to this file", default=None)
+    plot: PictureOutput = option("Draw a map of the run to this file", default=None)
+    diagram: PictureOutput = option("Draw the phases to this file", default=None)
+
+    def run(self) -> Outcome:
+        """Run, and write what is requested."""
+        if self.name is None:
+            missions = list_missions()
+            return Outcome(facts={"missions": missions}, text="\n".join(missions))
+        scenario = self._scenario(self.name)
+        mission = scenario.motion
+        assert isinstance(mission, Mission)
+        if self.diagram is not None:
+            save_figure(draw_phases(mission), self.diagram)
+        warn_of_compiling(scenario.environment, scenario.model, scenario.robot)
+        if self.runs is not None:
+            return self._run_campaign(scenario, self.runs)
+        if self.seed is not None:
+            conditions = _conditions_of(scenario)
+            draw = draw_conditions(conditions, self.seed)
+            scenario = change_scenario(scenario, conditions, draw)
+        result = run_mission(scenario)
+        if self.save is not None:
+            result.trial.save(self.save)
+        if self.plot is not None:
+            save_figure(draw_map(result), self.plot)
+        return Outcome(facts=_facts_of(result), text=_describe(result))
+
+    def _scenario(self, name: str) -> Scenario:
+        """Return the mission with the chosen model and duration."""
+        scenario = load_mission(name)
+        if self.duration is not None:
+            scenario = replace(scenario, duration=self.duration)
+        if self.model == "spatial" and not isinstance(scenario.model, Spatial):
+            scenario = replace(scenario, model=Spatial(**vars(scenario.model)))
+        return scenario
+
+    def _run_campaign(self, scenario: Scenario, n_runs: int) -> Outcome:
+        """Run a campaign, and report what it shows."""
+        if self.table is None:
+            raise BadFlag("--runs must be given together with --table FILE.csv.")
+        conditions = _conditions_of(scenario)
+        rows = run_campaign(scenario, conditions, range(n_runs), Path(self.table))
+        summary = summarize_campaign(rows)
+        return Outcome(facts=to_plain(asdict(summary)), text=_describe_campaign(summary))
+
+
+def _conditions_of(scenario: Scenario) -> Conditions:
+    """Return the conditions in which any sensor may fail that a robot needs to find its way."""
+    names = [sensor.name for sensor in scenario.model.sensors]
+    return Conditions(failing=tuple(name for name in names if name not in NEVER_FAILING))
+
+
+def _facts_of(result: MissionResult) -> dict[str, Any]:
+    """Return what came of a run, for programs."""
+    return {
+        "docked": result.is_docked,
+        "last_phase": result.last_phase,
+        "duration": result.duration,
+        "clearance": result.clearance,
+        "share_seen": result.share_seen,
+        "largest_error": result.largest_error,
+        "changes": [change._asdict() for change in result.changes],
+    }
+
+
+def _describe(result: MissionResult) -> str:
+    """Return what came of a run, for people."""
+    changes = [
+        f"{change.time:7.1f} s  {change.before} -> {change.after}: {change.reason}"
+        for change in result.changes
+    ]
+    ended = f"in `{result.last_phase}` after {result.duration:.1f} s"
+    if result.is_docked:
+        ended = f"docked after {result.duration:.1f} s"
+    rows = [
+        ("ended", ended),
+        ("clearance", f"{result.clearance:.2f} m from anything but docks"),
+        ("position", f"believed within {result.largest_error:.2f} m"),
+    ]
+    if result.share_seen is not None:
+        rows.append(("net seen", f"{100.0 * result.share_seen:.0f} %"))
+    return "\n".join(changes) + "\n\n" + wrap_rows(rows)
+
+
+def _describe_campaign(summary: CampaignSummary) -> str:
+    """Return what a campaign shows, for people."""
+    share = 100.0 * summary.n_docked / summary.n_runs
+    interval = f"{100.0 * summary.share_low:.1f} to {100.0 * summary.share_high:.1f} %"
+    worst = ", ".join(str(seed) for seed in summary.worst)
+    rows = [
+        ("docked", f"{summary.n_docked} of {summary.n_runs}: {share:.1f} %, 95 % {interval}"),
+        ("contacts", f"{summary.n_contacts}; least clearance {summary.least_clearance:.2f} m"),
+        (
+            "net seen",
+            f"{100.0 * summary.share_of_net_seen:.1f} % on average; 90 % or more in {summary.n_seen_enough}",
+        ),
+        ("worst seeds", worst),
+    ]
+    rows += [("not docked", f"{cause}: {n}") for cause, n in summary.causes.items()]
+    return wrap_rows(rows)
