@@ -4,6 +4,7 @@ estimate.py    what a robot believes of itself and of the water
 posture.py     where the middle of its body is, seen from the head
 navigation.py  from readings of sensors to what it believes
 steering.py    what a behaviour wants, and the helm
+avoidance.py   keeping clear of what the sonar has seen
 behaviours     what it does in a phase
 phases.py      phases, and conditions that end them
 mission.py     the table of phases, which is a controller
@@ -19,6 +20,7 @@ from typing import TYPE_CHECKING
 from laticauda.values import lazy_exports
 
 if TYPE_CHECKING:
+    from laticauda.missions.avoidance import Avoidance as Avoidance
     from laticauda.missions.behaviours import (
         Behaviour as Behaviour,
         FollowWall as FollowWall,
@@ -45,7 +47,7 @@ if TYPE_CHECKING:
         list_missions as list_missions,
         load_mission as load_mission,
     )
-    from laticauda.missions.mission import Avoidance as Avoidance, Mission as Mission, Way as Way
+    from laticauda.missions.mission import Mission as Mission, Way as Way
     from laticauda.missions.navigation import Navigation as Navigation
     from laticauda.missions.phases import (
         BatteryLow as BatteryLow,
@@ -69,6 +71,7 @@ if TYPE_CHECKING:
 __getattr__, __dir__, __all__ = lazy_exports(
     __name__,
     {
+        "laticauda.missions.avoidance": ["Avoidance"],
         "laticauda.missions.behaviours": [
             "Behaviour",
             "FollowWall",
@@ -92,7 +95,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.missions.drawing": ["draw_map", "draw_phases"],
         "laticauda.missions.estimate": ["Echo", "Estimate"],
         "laticauda.missions.files": ["list_missions", "load_mission"],
-        "laticauda.missions.mission": ["Avoidance", "Mission", "Way"],
+        "laticauda.missions.mission": ["Mission", "Way"],
         "laticauda.missions.navigation": ["Navigation"],
         "laticauda.missions.phases": [
             "BatteryLow",

@@ -49,6 +49,8 @@ class Estimate:
     """Echoes of the sonar's last ping, unless that is long ago."""
     last_echo: Echo | None
     """The nearest echo of the last ping that had one; None: there was none yet."""
+    sightings: tuple[tuple[float, float], ...]
+    """Points from which echoes came since the start, one for every square of a grid [m]."""
     battery: float | None
     """Share of the battery that is left; None without a gauge."""
     silence: Mapping[str, float]

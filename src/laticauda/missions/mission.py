@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
+from laticauda.missions.avoidance import Avoidance
 from laticauda.missions.estimate import Estimate
 from laticauda.missions.navigation import Navigation, NavigationState
 from laticauda.missions.phases import Phase, Transition
@@ -48,30 +49,6 @@ class MissionState:
 
 
 @value_class
-class Avoidance:
-    """Turns away from what the sonar sees too near ahead."""
-
-    distance: float = quantity("m", "Echoes nearer than this count", ge=0.0, default=0.7)
-    sector: float = quantity(
-        "rad", "Half of the sector ahead in which they count", gt=0.0, default=math.radians(60.0)
-    )
-
-    def steering(self, estimate: Estimate) -> Steering | None:
-        """Return a turn away from the nearest echo; None if nothing is too near.
-
-        Args:
-            estimate: What the robot believes.
-        """
-        ahead = [echo for echo in estimate.echoes if abs(echo.bearing) <= self.sector]
-        too_near = [echo for echo in ahead if echo.distance < self.distance]
-        if not too_near:
-            return None
-        nearest = min(too_near, key=lambda echo: echo.distance)
-        is_left = nearest.bearing > 0.0
-        return Steering(offset=-math.inf if is_left else math.inf)
-
-
-@value_class
 class Mission(Controller[MissionState]):
     """A table of phases. The robot is steered by estimates from sensors; the scene is not known to it.
 
@@ -85,7 +62,7 @@ class Mission(Controller[MissionState]):
     always: tuple[Transition, ...] = option("Transitions out of any phase", default=())
     navigation: Navigation = option("Where it believes to be", default=Navigation())
     helm: Helm = option("How it steers", default=Helm())
-    avoidance: Avoidance = option("What it turns away from", default=Avoidance())
+    avoidance: Avoidance = option("How it keeps clear of what it saw", default=Avoidance())
     interval: float = quantity("s", "Time between two control instants", gt=0.0, default=0.2)
 
     def __post_init__(self) -> None:
@@ -190,7 +167,7 @@ class Mission(Controller[MissionState]):
             state, steering = self._steer(state, estimate)
         phase = self.phases[state.phase]
         if phase.avoids:
-            steering = self.avoidance.steering(estimate) or steering
+            steering = self.avoidance.correct(steering, estimate)
         offset = self.helm.offset_of(steering, estimate)
         state = replace(state, signals=_signals(state, estimate, offset))
         return state, self._command(steering, offset)

@@ -8,7 +8,7 @@ never repeats.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from laticauda.missions.estimate import Echo, Estimate
@@ -32,6 +32,8 @@ MOST_REFUSED = 5
 """Fixes that are refused in a row; the next one is believed."""
 ECHO_TIME = 3.0
 """Time after which the echoes of a ping no longer count [s]."""
+SQUARE = 0.3
+"""Side of a square of the grid in which echoes are remembered [m]."""
 FIRST_STD = 3.0
 """Standard deviation of the position before the first fix [m]."""
 FIX_NOISE = (0.05, 0.02)
@@ -53,6 +55,10 @@ class NavigationState:
     """Measurements of the current so far."""
     headings: tuple[tuple[float, float], ...] = ()
     """Times and headings of the last cycle [s, rad]."""
+    sightings: Mapping[tuple[int, int], tuple[float, float]] = field(
+        default_factory=dict[tuple[int, int], tuple[float, float]]
+    )
+    """Points from which echoes came, by square of the grid [m]."""
     heard_at: Mapping[str, float] = field(default_factory=dict[str, float])
     """When each sensor last told something new [s]."""
     last_values: Mapping[str, tuple[float, ...]] = field(
@@ -134,8 +140,7 @@ class _Instant:
         if not reading.is_new:
             return
         values: list[float] = reading.values.tolist()
-        is_stuck = tuple(values) == self._last_values.get(name) and name != "latch"
-        if is_stuck:
+        if _repeats(values, self._last_values.get(name)):
             return
         self._last_values[name] = tuple(values)
         self._heard_at[name] = self._time
@@ -170,6 +175,7 @@ class _Instant:
         bow_y = position[1] + half_length * math.sin(heading)
         head_position = position[0] + posture.head_x, position[1] + posture.head_y
         echoes = self._echoes(head_position, head_heading)
+        sightings = self._sightings(echoes)
         estimate = Estimate(
             time=self._time,
             position=position,
@@ -184,6 +190,7 @@ class _Instant:
             head_heading=head_heading,
             echoes=echoes,
             last_echo=self._last_echo(echoes),
+            sightings=tuple(sightings.values()),
             battery=self._battery(),
             silence={name: self._time - heard for name, heard in self._heard_at.items()},
         )
@@ -194,6 +201,7 @@ class _Instant:
             n_refused=n_refused,
             n_of_current=n_of_current,
             headings=headings,
+            sightings=sightings,
             heard_at=self._heard_at,
             last_values=self._last_values,
         )
@@ -342,6 +350,16 @@ class _Instant:
             return ()
         return before.echoes
 
+    def _sightings(self, echoes: tuple[Echo, ...]) -> Mapping[tuple[int, int], tuple[float, float]]:
+        """Return the points from which echoes came so far, those of this ping included."""
+        if self._navigation.sonar not in self._fresh:
+            return self._before.sightings
+        sightings = dict(self._before.sightings)
+        for echo in echoes:
+            square = round(echo.x / SQUARE), round(echo.y / SQUARE)
+            sightings[square] = echo.x, echo.y
+        return sightings
+
     def _last_echo(self, echoes: tuple[Echo, ...]) -> Echo | None:
         """Return the nearest echo of the last ping that had one."""
         if echoes:
@@ -355,3 +373,12 @@ class _Instant:
         if values is None:
             return None
         return values[0]
+
+
+def _repeats(values: Sequence[float], last_values: Sequence[float] | None) -> bool:
+    """Return whether a sensor tells the same again; having nothing to tell, such as no echo, may be so for long."""
+    if last_values is None:
+        return False
+    numbers = [value for value in values if math.isfinite(value)]
+    last_numbers = [value for value in last_values if math.isfinite(value)]
+    return bool(numbers) and numbers == last_numbers
