@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import radians
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -29,6 +29,16 @@ from PIL import Image, ImageDraw
 
 import laticauda as lc
 from laticauda.cli import main as command
+from laticauda.missions import (
+    Conditions,
+    Mission,
+    change_scenario,
+    draw_conditions,
+    draw_map,
+    draw_phases,
+    load_mission,
+    run_mission,
+)
 from laticauda.models.spatial.scene import Shore
 from laticauda.motion.gaits import envelope_of
 from laticauda.paper.measured import (
@@ -393,6 +403,16 @@ def edge_map(folder: Path) -> None:
     campaign["figure"](str(folder / "edge-map.png"))
 
 
+def mission(folder: Path) -> None:
+    """Draw the phases of a mission, and a run of it in which the sonar fails."""
+    scenario = load_mission("net-inspection")
+    save_figure(draw_phases(cast(Mission, scenario.motion)), folder / "mission-phases.png")
+    conditions = Conditions(failing=("sonar",))
+    draw = draw_conditions(conditions, 14)
+    result = run_mission(change_scenario(scenario, conditions, draw))
+    save_figure(draw_map(result), folder / "mission-map.png")
+
+
 @dataclass(frozen=True)
 class Picture:
     """One or several files that are drawn together."""
@@ -422,6 +442,7 @@ PICTURES = {
     "currents": Picture(currents, ("currents.png",)),
     "edge-map": Picture(edge_map, ("edge-map.png",)),
     "parity": Picture(parity, ("parity.png",)),
+    "mission": Picture(mission, ("mission-phases.png", "mission-map.png")),
 }
 KEPT_FILES = ("cockpit-path.png", "follow.webp")
 """Files of the front pages, which are in the repository."""

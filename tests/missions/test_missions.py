@@ -2,13 +2,18 @@
 
 import math
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 
+import campaign_scripts
 import numpy as np
 import pytest
 
 import laticauda as lc
 from laticauda.missions import (
+    Avoidance,
+    BatteryLow,
+    Estimate,
     Helm,
     Mission,
     Phase,
@@ -18,13 +23,17 @@ from laticauda.missions import (
     SwimStraight,
     Transition,
     load_mission,
+    run_campaign,
     run_mission,
     run_missions,
+    summarize_campaign,
 )
+from laticauda.missions.campaign import read_rows, wilson_interval
 from laticauda.missions.posture import bend_of_head, find_posture
 from laticauda.robot import kinematics
 from laticauda.sensing import SensorFault
 
+ROOT = Path(__file__).parent.parent.parent
 GAIT = lc.lateral_undulation(amplitude_deg=30, frequency_deg_s=210, phase_shift_deg=40)
 OUT = Phase(name="out", behaviour=SwimStraight(distance=1.0), done="rest")
 REST = Phase(name="rest", behaviour=Rest())
@@ -160,3 +169,95 @@ def test_beams_must_be_those_of_the_sonar(inspection):
     wrong = replace(inspection, motion=replace(inspection.motion, navigation=navigation))
     with pytest.raises(ValueError, match="must have the beams of the sonar, 21 of them, got 1"):
         lc.swim(replace(wrong, duration=1.0))
+
+
+def estimate_of(position=(0.0, 0.0), heading=0.0, sightings=(), echoes=(), battery=None):
+    return Estimate(
+        time=0.0,
+        position=position,
+        position_std=0.1,
+        velocity=(0.0, 0.0),
+        heading=heading,
+        bow=position,
+        current=(0.0, 0.0),
+        head_position=position,
+        head_heading=heading,
+        echoes=echoes,
+        last_echo=None,
+        sightings=sightings,
+        battery=battery,
+        silence={},
+    )
+
+
+def test_a_course_passes_what_was_seen_at_the_stated_distance():
+    avoidance = Avoidance(clearance=1.0, horizon=5.0)
+    estimate = estimate_of(sightings=((2.0, 0.1),))
+    course = avoidance.free_course(0.0, estimate)
+    assert course < 0.0  # to the right of a point ahead on the left
+    passed_at = abs(2.0 * math.sin(course) - 0.1 * math.cos(course))
+    assert passed_at == pytest.approx(1.0, abs=0.01)
+    assert avoidance.free_course(math.pi, estimate) == math.pi
+    assert avoidance.free_course(0.0, estimate_of(sightings=((9.0, 0.1),))) == 0.0
+
+
+def test_a_turn_does_not_sweep_across_a_net_beside_the_robot():
+    avoidance = Avoidance(clearance=1.0, turning_room=2.0)
+    beside = estimate_of(sightings=((0.0, 1.5),))
+    steering = avoidance.correct(Steering(course=math.radians(170.0)), beside)
+    assert steering.offset == -math.inf
+    free = avoidance.correct(Steering(course=math.radians(-170.0)), beside)
+    assert free.course == math.radians(-170.0)
+
+
+def test_the_battery_must_hold_for_the_way_home():
+    low = BatteryLow(share=0.2, share_per_meter=0.01, home=(0.0, 0.0))
+    assert low.is_met(estimate_of(position=(20.0, 0.0), battery=0.39))
+    assert not low.is_met(estimate_of(position=(20.0, 0.0), battery=0.41))
+    assert not low.is_met(estimate_of(position=(20.0, 0.0)))
+
+
+def test_a_mission_goes_home_before_the_battery_is_empty(inspection):
+    sensors = [
+        replace(sensor, capacity=1.0) if sensor.name == "battery" else sensor
+        for sensor in inspection.model.sensors
+    ]
+    model = replace(inspection.model, sensors=tuple(sensors))
+    (result,) = run_missions([replace(inspection, model=model, duration=40.0)])
+    reasons = {change.after: change.reason for change in result.changes}
+    assert reasons["return"] == "battery below 20 % and the way home"
+    assert result.trial.signals["battery_left"][-1] > 0.0
+
+
+@pytest.mark.slow
+def test_with_any_sensor_failing_once_the_robot_docks_without_contact(inspection):
+    sensors = ("sonar", "compass", "inertial", "velocity", "water_velocity", "beacon")
+    across = replace(inspection.environment, current=(0.0, 0.08))
+    scenarios = [
+        with_fault(replace(inspection, environment=across), name, kind, begin=80.0, end=110.0)
+        for name in sensors
+        for kind in ("silent", "frozen")
+    ]
+    for result in run_missions(scenarios):
+        assert result.is_docked
+        assert result.clearance > 0.0
+        assert result.share_seen > 0.9
+
+
+@pytest.mark.slow
+def test_the_stored_campaign_holds_what_the_page_says_and_repeats_a_row(inspection, tmp_path):
+    campaign = campaign_scripts.campaign("missions")
+    rows = read_rows(campaign.STORED)
+    summary = summarize_campaign(rows)
+    assert summary.share_low >= 0.93
+    assert summary.n_contacts == 0
+    page = (ROOT / "docs/how-to/missions.md").read_text(encoding="utf-8")
+    assert f"{summary.n_docked} of {summary.n_runs}" in page
+    (again,) = run_campaign(inspection, campaign.CONDITIONS, [rows[0].seed], tmp_path / "row.csv")
+    assert again.is_docked == rows[0].is_docked
+    assert again.duration == pytest.approx(rows[0].duration, abs=2.0)
+
+
+def test_intervals_of_wilson_are_those_of_tables():
+    low, high = wilson_interval(950, 1000)
+    assert (round(low, 4), round(high, 4)) == (0.9346, 0.9619)

@@ -121,5 +121,4 @@ class Avoidance:
         if not too_near:
             return None
         nearest = min(too_near, key=lambda echo: echo.distance)
-        side = -1.0 if nearest.bearing > 0.0 else 1.0
-        return Steering(offset=side * math.inf)
+        return Steering(offset=-math.copysign(math.inf, nearest.bearing))

@@ -1,21 +1,26 @@
 """Pictures of missions: the table as a diagram of phases, and a run as a map."""
 
+import math
 from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.patches import Circle, FancyArrowPatch, Polygon
+from matplotlib.patches import Circle, FancyArrowPatch, Polygon, Rectangle
+from matplotlib.path import Path
 
 from laticauda.missions.mission import Mission, Way
 from laticauda.missions.running import MissionResult, mission_of
 from laticauda.scenarios import Scenario
 from laticauda.sensing import Place, Solid
 from laticauda.show.figures import new_panels, style
+from laticauda.values import name_of
 
-BOX_WIDTH = 2.6
-"""Width of a phase in a diagram, in rows."""
-BEND = 0.35
-"""How far an arrow past other phases bends to the side, for every row, in rows."""
+HALF_BOX = 0.75
+"""Half the width of a phase in a diagram."""
+HALF_HEIGHT = 0.24
+"""Half its height, in rows."""
+ARC_STEP = 0.7
+"""Distance of the ways past other phases from each other."""
 PHASE_COLORS = ("#0072B2", "#D55E00", "#009E73", "#E69F00", "#CC79A7", "#56B4E9", "#8A8A8A")
 """Colors of phases on a map, in the order of the table."""
 BOX_CORNERS = ((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0))
@@ -23,81 +28,105 @@ BOX_CORNERS = ((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0))
 
 
 def draw_phases(mission: Mission) -> Figure:
-    """Draw the table of a mission: a box for every phase, an arrow for every way, with its reason.
+    """Draw the table of a mission: a box for every phase, an arrow for every way, with its reasons.
 
     Args:
         mission: The mission.
     """
     names = mission.phase_names
-    figure, (panel,) = new_panels(height=0.55 * len(names) + 0.9)
+    figure, (panel,) = new_panels(height=0.75 * len(names) + 0.4)
     ax: Any = panel
     for row, name in enumerate(names):
         behaviour = type(mission.phases[row].behaviour)
-        _draw_box(ax, row, name, behaviour.__name__)
-    n_right = n_left = 0
-    for way, reason in _merge_ways(mission.ways):
-        is_to_next = way.after == way.before + 1
-        if is_to_next:
-            _draw_step(ax, way, reason)
-        elif way.after > way.before:
-            _draw_arc(ax, way, reason, side=1, number=n_right)
-            n_right += 1
-        else:
-            _draw_arc(ax, way, reason, side=-1, number=n_left)
-            n_left += 1
-    ax.set_xlim(-6.5, 9.5)
-    ax.set_ylim(len(names) - 0.4, -0.6)
+        _draw_box(ax, row, name, name_of(behaviour))
+    n_arcs = {1: 0, -1: 0}
+    for way, reasons in sorted(_merge_ways(mission.ways), key=_rows_passed):
+        if way.after == way.before + 1:
+            _draw_step(ax, way, reasons)
+            continue
+        side = int(math.copysign(1, way.after - way.before))
+        _draw_arc(ax, way, reasons, x=side * (HALF_BOX + ARC_STEP * (1 + n_arcs[side])))
+        n_arcs[side] += 1
+    ax.set_xlim(-4.5, 6.5)
+    ax.set_ylim(len(names) - 0.5, -0.5)
     ax.set_axis_off()
     return figure
 
 
 def _merge_ways(ways: tuple[Way, ...]) -> list[tuple[Way, str]]:
-    """Return the ways between different pairs of phases, each with all of its reasons."""
+    """Return the ways between different pairs of phases, each with all of its reasons, one a line."""
     reasons: dict[tuple[int, int], list[str]] = {}
     for way in ways:
         reasons.setdefault((way.before, way.after), []).append(way.reason)
     merged: list[tuple[Way, str]] = []
     for (before, after), words in reasons.items():
-        merged.append((Way(before, after, ""), " or ".join(words)))
+        merged.append((Way(before, after, ""), "\n".join(words)))
     return merged
 
 
+def _rows_passed(way_and_reasons: tuple[Way, str]) -> int:
+    """Return how many rows a way leads up or down: short ones are drawn inside."""
+    way, _ = way_and_reasons
+    return abs(way.after - way.before)
+
+
 def _draw_box(ax: Any, row: int, name: str, behaviour: str) -> None:
-    """Draw a phase."""
-    box = {"boxstyle": "round,pad=0.35", "facecolor": "white", "edgecolor": style.INK}
-    ax.text(0.0, row, name, ha="center", va="center", fontsize=style.LABEL, bbox=box, zorder=3)
-    ax.text(-0.5 * BOX_WIDTH, row, behaviour, ha="right", va="center", fontsize=7, color=style.GRAY)
+    """Draw a phase with what the robot does in it."""
+    box = Rectangle(
+        (-HALF_BOX, row - HALF_HEIGHT),
+        2.0 * HALF_BOX,
+        2.0 * HALF_HEIGHT,
+        facecolor="white",
+        edgecolor=style.INK,
+        zorder=3,
+    )
+    ax.add_patch(box)
+    ax.text(0.0, row - 0.07, name, ha="center", va="center", fontsize=style.LABEL, zorder=4)
+    ax.text(
+        0.0, row + 0.12, behaviour, ha="center", va="center", fontsize=6, color=style.GRAY, zorder=4
+    )
 
 
-def _draw_step(ax: Any, way: Way, reason: str) -> None:
+def _draw_step(ax: Any, way: Way, reasons: str) -> None:
     """Draw the way to the next phase, straight down."""
-    ends = (0.0, way.before + 0.24), (0.0, way.after - 0.24)
-    ax.add_patch(_arrow(*ends, bend=0.0))
-    ax.text(0.12, 0.5 * (way.before + way.after), reason, va="center", fontsize=6.5)
+    begin = 0.0, way.before + HALF_HEIGHT
+    end = 0.0, way.after - HALF_HEIGHT
+    ax.add_patch(_arrow((begin, end)))
+    middle = 0.5 * (way.before + way.after)
+    _write_reasons(ax, 0.08, middle, reasons, align="left")
 
 
-def _draw_arc(ax: Any, way: Way, reason: str, *, side: int, number: int) -> None:
-    """Draw a way past other phases: forward on the right, back on the left."""
-    x = 0.5 * side * BOX_WIDTH * 0.55
-    ends = (x, way.before + 0.06), (x, way.after - 0.06)
-    ax.add_patch(_arrow(*ends, bend=-BEND * side if way.after > way.before else BEND * side))
-    height = abs(way.after - way.before)
-    middle = 0.5 * (way.before + way.after) + 0.13 * (number % 3 - 1)
-    reach = x + side * (0.5 * BEND * height + 0.15)
-    align = "left" if side > 0 else "right"
-    ax.text(reach, middle, reason, ha=align, va="center", fontsize=6.5)
+def _draw_arc(ax: Any, way: Way, reasons: str, *, x: float) -> None:
+    """Draw a way past other phases: out to the side, along, and back in."""
+    side = math.copysign(1.0, x)
+    down = math.copysign(1.0, way.after - way.before)
+    lower = 0.1 * down
+    begin = side * HALF_BOX, way.before + lower
+    end = side * HALF_BOX, way.after - lower
+    ax.add_patch(_arrow((begin, (x, begin[1]), (x, end[1]), end)))
+    align = "left" if side > 0.0 else "right"
+    _write_reasons(ax, x + 0.06 * side, way.before + 0.45 * down, reasons, align=align)
 
 
-def _arrow(begin: tuple[float, float], end: tuple[float, float], *, bend: float) -> FancyArrowPatch:
-    """Return an arrow between two points."""
+def _write_reasons(ax: Any, x: float, y: float, reasons: str, *, align: str) -> None:
+    """Write reasons beside a way, over the lines of others."""
+    ax.text(
+        x,
+        y,
+        reasons,
+        ha=align,
+        va="center",
+        fontsize=6,
+        linespacing=1.1,
+        zorder=5,
+        bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5},
+    )
+
+
+def _arrow(points: tuple[tuple[float, float], ...]) -> FancyArrowPatch:
+    """Return an arrow along points."""
     return FancyArrowPatch(
-        begin,
-        end,
-        connectionstyle=f"arc3,rad={bend}",
-        arrowstyle="-|>",
-        mutation_scale=8,
-        color=style.GRAY,
-        linewidth=0.8,
+        path=Path(points), arrowstyle="-|>", mutation_scale=7, color=style.GRAY, linewidth=0.8
     )
 
 

@@ -95,8 +95,7 @@ def find_dock(places: tuple[Place, ...]) -> Dock | None:
     Args:
         places: The places.
     """
-    docks = [place for place in places if isinstance(place, Dock)]
-    return docks[0] if docks else None
+    return next((place for place in places if isinstance(place, Dock)), None)
 
 
 def find_net(places: tuple[Place, ...]) -> Net | None:
@@ -105,8 +104,7 @@ def find_net(places: tuple[Place, ...]) -> Net | None:
     Args:
         places: The places.
     """
-    nets = [place for place in places if isinstance(place, Net)]
-    return nets[0] if nets else None
+    return next((place for place in places if isinstance(place, Net)), None)
 
 
 def _scenario_of(trial: Trial) -> Scenario:

@@ -224,7 +224,9 @@ class _Instant:
         compass = self._fresh.get(self._navigation.compass)
         before = self._before.estimate
         if before is None:
-            return compass[0] if compass else 0.0
+            if compass is None:
+                return 0.0
+            return compass[0]
         rate_before = self._before.head_rate
         if gyro_rate is None or rate_before is None:
             share = 1.0
@@ -255,7 +257,9 @@ class _Instant:
     def _current(self, head_heading: float) -> tuple[tuple[float, float], int]:
         """Return the current, and of how many measurements it is the mean."""
         before = self._before.estimate
-        current = (0.0, 0.0) if before is None else before.current
+        current = (0.0, 0.0)
+        if before is not None:
+            current = before.current
         over_ground = self._in_world(self._navigation.ground_velocity, head_heading)
         through_water = self._in_world(self._navigation.water_velocity, head_heading)
         n = self._before.n_of_current
@@ -303,7 +307,9 @@ class _Instant:
             x = before.position[0] + 0.5 * (velocity[0] + last[0]) * self._elapsed
             y = before.position[1] + 0.5 * (velocity[1] + last[1]) * self._elapsed
             has_doppler = self._navigation.ground_velocity in self._fresh
-            drift = DRIFT if has_doppler else BLIND_DRIFT
+            drift = DRIFT
+            if not has_doppler:
+                drift = BLIND_DRIFT
             variance = before.position_std**2 + drift**2 * self._elapsed
         values = self._fresh.get(self._navigation.position)
         if values is None or not math.isfinite(values[0]):
@@ -365,7 +371,9 @@ class _Instant:
         if echoes:
             return min(echoes, key=lambda echo: echo.distance)
         before = self._before.estimate
-        return None if before is None else before.last_echo
+        if before is None:
+            return None
+        return before.last_echo
 
     def _battery(self) -> float | None:
         """Return the share of the battery that is left; None if nothing tells it."""

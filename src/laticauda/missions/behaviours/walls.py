@@ -101,7 +101,9 @@ def _see_wall(state: WallState, echo: Echo, estimate: Estimate, elapsed: float) 
     to_echo_y = echo.y - estimate.position[1]
     distance = to_echo_x * math.cos(direction) + to_echo_y * math.sin(direction)
     is_fresh = estimate.silence.get("sonar", 0.0) <= elapsed
-    seen_at = estimate.time if is_fresh else state.seen_at
+    seen_at = state.seen_at
+    if is_fresh:
+        seen_at = estimate.time
     if state.direction is None:
         return WallState(
             time=estimate.time, seen_at=seen_at, direction=direction, distance=distance
