@@ -60,7 +60,9 @@ def length_of_part(part: int, n_parts: int, dt: float) -> float:
     """
     if n_parts != N_PARTS:
         return dt / n_parts
+    # Shifted, not raised to a power: Numba's power of integers can raise an exception, for which
+    # kernels without Python have no place.
     if part == 0:
-        return dt * 0.5**N_HALVINGS
+        return dt / (1 << N_HALVINGS)
     halvings = N_HALVINGS - (part - 1) // PARTS_PER_HALVING
-    return dt * 0.5**halvings / PARTS_PER_HALVING
+    return dt / (1 << halvings) / PARTS_PER_HALVING
