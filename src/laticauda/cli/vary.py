@@ -16,6 +16,7 @@ from laticauda.cli.shared_options import threads_option
 from laticauda.cli.tables import MISSING, align_columns, format_table, parse_numbers
 from laticauda.models.simulate import Parameter, suggest_names
 from laticauda.models.simulate.numbers import list_parameters
+from laticauda.models.simulate.parameter_paths import list_brackets, strip_items
 from laticauda.scenarios import Scenario
 from laticauda.studies import LABELS, attributes_of
 from laticauda.values import (
@@ -192,17 +193,39 @@ def _find_parameter(
 ) -> TypedParameter:
     """Return the parameter of a name; reject a parameter that was named before."""
     typed_name = name.replace("_", "-")
-    for parameter in parameters.values():
-        factors = _accepted_names(parameter)
-        if typed_name not in factors:
-            continue
-        if parameter.name in named_before:
+    typed = _match_name(typed_name, parameters) or _match_name_of_parts(typed_name, parameters)
+    if typed is not None:
+        if typed.parameter.name in named_before:
             raise BadArgument("vary", f"must name each parameter only once, got {name!r} again")
-        return TypedParameter(parameter, factors[typed_name])
+        return typed
     typed_names = [spell_parameter(parameter) for parameter in parameters.values()]
     hint = suggest_names(typed_name, typed_names)
     rule = "must name a parameter of robot, gait or water"
     raise BadArgument("vary", f"{rule}, got {name!r}{hint} (--names lists all)")
+
+
+def _match_name(typed_name: str, parameters: Parameters) -> TypedParameter | None:
+    """Return the listed parameter that a name was typed for; None if there is none."""
+    for parameter in parameters.values():
+        factors = _accepted_names(parameter)
+        if typed_name in factors:
+            return TypedParameter(parameter, factors[typed_name])
+    return None
+
+
+def _match_name_of_parts(typed_name: str, parameters: Parameters) -> TypedParameter | None:
+    """Return the parameter of single parts or of a range, robot.module[:5].mass-g; None if there is none."""
+    typed = _match_name(strip_items(typed_name), parameters)
+    if typed is None or "[" not in typed_name:
+        return None
+    typed_steps = typed_name.split(".")
+    steps = typed.parameter.name.split(".")
+    for i in range(1, min(len(typed_steps), len(steps)) + 1):
+        steps[-i] += "".join(list_brackets(typed_steps[-i]))
+    name = ".".join(steps)
+    if name not in parameters:
+        return None
+    return TypedParameter(parameters[name], typed.factor)
 
 
 def _accepted_names(parameter: Parameter) -> dict[str, float]:

@@ -37,7 +37,7 @@ def applied(problem: Problem, values: Values, scenario: lc.Scenario, gait_kind: 
         gait_kind: Kind of gait whose own numbers override the general ones; "": only the general
             ones.
     """
-    present = list_parameters(scenario, each=True)
+    present = list_parameters(scenario)
     numbers = _values_for_gait(problem, values, gait_kind)
     changes = {name: value for name, value in numbers.items() if name in present}
     return change_parameters(scenario, changes)

@@ -103,17 +103,17 @@ def body_key(scenario: Scenario) -> tuple[int, int]:
     return id(scenario.robot), id(scenario.environment)
 
 
-def list_numbers(scenarios: Sequence[Scenario]) -> list[dict[str, Parameter]]:
-    """Return the numbers of each scenario by name; one dictionary for those with the same body.
+def list_numbers(scenarios: Sequence[Scenario]) -> list[Mapping[str, Parameter]]:
+    """Return the numbers of each scenario by name; one mapping for those with the same body.
 
     Args:
         scenarios: Scenarios of the measurements.
     """
-    numbers_by_body: dict[tuple[int, int], dict[str, Parameter]] = {}
+    numbers_by_body: dict[tuple[int, int], Mapping[str, Parameter]] = {}
     for scenario in scenarios:
         key = body_key(scenario)
         if key not in numbers_by_body:
-            numbers_by_body[key] = list_parameters(scenario, each=True) | NUISANCE
+            numbers_by_body[key] = list_parameters(scenario) | NUISANCE
     return [numbers_by_body[body_key(scenario)] for scenario in scenarios]
 
 

@@ -163,7 +163,7 @@ class Front:
         import xarray
 
         optimization = self.optimization
-        labels = labels_of(optimization.scenario)
+        labels = labels_of(optimization.scenario, optimization.names)
         coordinates: dict[str, Any] = {}
         for name, column in zip(optimization.names, self.values.T, strict=True):
             coordinates[name] = (POINT, column, labels[name])

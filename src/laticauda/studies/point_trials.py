@@ -22,7 +22,7 @@ from laticauda.models.simulate import (
     run_columns,
     scenarios_at as scenarios_at,
 )
-from laticauda.models.simulate.numbers import list_parameters
+from laticauda.models.simulate.numbers import check_disjoint, list_parameters
 from laticauda.scenarios import telling, warn_of_doubt
 from laticauda.studies.sampling import Table
 from laticauda.trials import water_moves
@@ -112,12 +112,15 @@ def attributes_of(scenario: lc.Scenario) -> dict[str, Any]:
     }
 
 
-def labels_of(scenario: lc.Scenario) -> dict[str, dict[str, str]]:
-    """Return the attributes of every stored parameter and quantity by name: description and unit."""
-    labels = {
-        name: described(parameter.phrase, parameter.unit)
-        for name, parameter in list_parameters(scenario).items()
-    }
+def labels_of(scenario: lc.Scenario, names: Iterable[str]) -> dict[str, dict[str, str]]:
+    """Return the attributes of every stored parameter and quantity by name: description and unit.
+
+    Args:
+        scenario: What all trials share.
+        names: Names of the stored parameters.
+    """
+    parameters = list_parameters(scenario)
+    labels = {name: described(parameters[name].phrase, parameters[name].unit) for name in names}
     return labels | {name: of_figure(name) for name in QUANTITIES}
 
 
@@ -142,6 +145,7 @@ def check_ranges(
     for name, ends in ranges.items():
         parameter = look_up(name, parameters, argument)
         check_whole(parameter, np.array(ends))
+    check_disjoint(ranges, argument)
     doubts: list[str] = []
     with telling(doubts.append):
         for corner in _corners_of(ranges):

@@ -227,7 +227,7 @@ def _write_empty_arrays(zarr: Any, path: Path, sweep: Sweep, regions: Regions) -
     if not isinstance(points, Grid):
         attributes["coordinates"] = " ".join(points.names)
     group = zarr.open_group(str(path / RESULTS), mode="w", attributes=attributes)
-    labels = labels_of(sweep.scenario)
+    labels = labels_of(sweep.scenario, points.names)
     with_checksum = zarr.codecs.ZstdCodec(checksum=True)
     for name in _names_by_region(sweep):
         is_truth = name == "succeeded"

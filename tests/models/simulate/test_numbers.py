@@ -162,7 +162,9 @@ def test_on_the_ground_its_friction_can_be_swept():
 
 def test_one_of_several_modules_goes_by_its_number_from_the_tail():
     scenario, name = replace(SCENARIO, robot=lc.load_robot("mamba")), "robot.module[3].normal_drag"
-    assert name in list_parameters(scenario, each=True) and name not in list_parameters(scenario)
+    assert name in list_parameters(scenario, each=True) and name not in set(
+        list_parameters(scenario)
+    )
     after = change_parameters(
         scenario, {name: 2.5, "robot.module.mass": 0.7, "robot.joint[0].stiffness": 0.1}
     )

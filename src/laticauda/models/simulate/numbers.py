@@ -2,10 +2,12 @@
 
 A name is the path to the field: `gait.amplitude`, `water.normal_drag`, `robot.caudal_fin.length`.
 The singular of a plural field addresses all of its items alike: `robot.module.mass`,
-`robot.joint.actuator.servo_gain`. A pair of numbers is two parameters: `water.current_x`,
-`water.current_y`; a flow has each of its numbers: `water.current.height`, and a sum of flows those
-of each flow: `water.current.flow[0].height`. `robot.n_links` is the number of links; `joints` has
-the numbers of a custom joint law, and `controller` those of a controller, apart from its gait:
+`robot.joint.actuator.servo_gain`. Brackets select some of them, counted from 0 at the tail, in
+ranges as in Python: `robot.module[3].mass`, `robot.module[:5].mass`, `robot.joint[::2].stiffness`.
+A pair of numbers is two parameters: `water.current_x`, `water.current_y`; a flow has each of its
+numbers: `water.current.height`, and a sum of flows those of each flow:
+`water.current.flow[0].height`. `robot.n_links` is the number of links; `joints` has the numbers of
+a custom joint law, and `controller` those of a controller, apart from its gait:
 `controller.guidance.look_ahead_distance`. Units are those of the fields: SI and radians.
 """
 
@@ -19,12 +21,17 @@ import numpy as np
 from laticauda.models.simulate.parameter_paths import (
     AXIS_ENDINGS,
     COUNT_TYPES,
+    PLURALS,
     SINGULARS,
     SINGULARS_OF_SEPARATE,
     apply_changes,
     describe_step,
     find_objects,
+    find_part,
+    have_common_items,
+    items_of,
     nest_by_step,
+    strip_items,
 )
 from laticauda.models.simulate.run_figures import (  # where they were found so far
     UNITS as UNITS,
@@ -77,8 +84,55 @@ class Parameter:
         return " of ".join([number, *map(describe_step, reversed(owners))]) + axis
 
 
-def list_parameters(scenario: Scenario, *, each: bool = False) -> dict[str, Parameter]:
+class ScenarioParameters(Mapping[str, Parameter]):
+    """Parameters of a scenario by name; names of single parts and of ranges are found without being listed."""
+
+    def __init__(self, scenario: Scenario, listed: Mapping[str, Parameter]) -> None:
+        self._scenario = scenario
+        self._listed = listed
+        self._found: dict[str, Parameter] = {}
+        """Parameters of single parts and of ranges that were asked for."""
+
+    def __getitem__(self, name: str) -> Parameter:
+        """Return the parameter of a name."""
+        if name in self._listed:
+            return self._listed[name]
+        if name not in self._found:
+            parameter = _find_of_parts(self._scenario, name)
+            if parameter is None:
+                raise KeyError(name)
+            self._found[name] = parameter
+        return self._found[name]
+
+    def __iter__(self) -> Iterator[str]:
+        """Yield the names that are listed."""
+        return iter(self._listed)
+
+    def __len__(self) -> int:
+        """Return the number of names that are listed."""
+        return len(self._listed)
+
+    def __or__(self, others: Mapping[str, Parameter]) -> "ScenarioParameters":
+        """Return these and others."""
+        return ScenarioParameters(self._scenario, {**self._listed, **others})
+
+    def explain_items(self, name: str) -> str:
+        """Return the end of a message about a name whose brackets select nothing; "" for other names.
+
+        Args:
+            name: Name that is not known.
+        """
+        plain = strip_items(name)
+        if plain == name or plain not in self._listed:
+            return ""
+        return f"; items of `{plain}` count from 0 at the tail, such as [3] or [:5], as far as there are some"
+
+
+def list_parameters(scenario: Scenario, *, each: bool = False) -> ScenarioParameters:
     """Return the parameters that can be swept, by name.
+
+    Names of single parts and of ranges, such as `robot.module[3].mass` and `robot.module[:5].mass`,
+    can be looked up in any case.
 
     Fins, thrusters and tether drag can be swept if the robot has them; coefficients that are still
     None can be swept.
@@ -87,6 +141,13 @@ def list_parameters(scenario: Scenario, *, each: bool = False) -> dict[str, Para
         scenario: The scenario; names of its environment's parameters begin with `water` or
             `ground`.
         each: Whether to list the numbers of every single module and joint as well.
+
+    Example:
+        >>> import laticauda as lc
+        >>> gait = lc.eel_like(amplitude=0.5, frequency=2.0, phase_shift=0.7)
+        >>> known = list_parameters(lc.build_scenario("mamba", gait))
+        >>> "robot.module[3].mass" in known, "robot.module[30].mass" in known
+        (True, False)
     """
     robot = scenario.robot
     environment = scenario.environment
@@ -103,7 +164,57 @@ def list_parameters(scenario: Scenario, *, each: bool = False) -> dict[str, Para
         for field, step in SINGULARS.items():
             for i, item in enumerate(getattr(robot, field)):
                 parameters += _numbers_in(item, f"robot.{step}[{i}]")
-    return {parameter.name: parameter for parameter in parameters}
+    return ScenarioParameters(scenario, {parameter.name: parameter for parameter in parameters})
+
+
+def _find_of_parts(scenario: Scenario, name: object) -> Parameter | None:
+    """Return the parameter of a name with brackets; None if there is none."""
+    if not isinstance(name, str) or "[" not in name:
+        return None
+    prefix, _, _ = name.rpartition(".")
+    root, *steps = prefix.split(".")
+    owners: list[Any] = [_root_object(scenario, root)]
+    for step in steps:
+        if any(not _can_lead_on(owner, step) for owner in owners):
+            return None
+        owners = _objects_after(owners, step)
+    found: list[Parameter] = []
+    for owner in owners:
+        if not is_dataclass(owner):
+            return None
+        numbers = {parameter.name: parameter for parameter in _numbers_in(owner, prefix)}
+        if name not in numbers:
+            return None
+        found.append(numbers[name])
+    return found[0] if found else None
+
+
+def _can_lead_on(owner: Any, step: str) -> bool:
+    """Return whether a step leads from an object to others."""
+    if "[" not in step:
+        return hasattr(owner, find_part(owner, step).name)
+    field = PLURALS.get(strip_items(step), "")
+    return items_of(step) is not None and isinstance(getattr(owner, field, None), tuple)
+
+
+def check_disjoint(names: Collection[str], argument: str = "points") -> None:
+    """Reject names of which several are about the same number.
+
+    Args:
+        names: Names of parameters.
+        argument: Argument that holds the names, for messages.
+
+    Raises:
+        ValueError: If two of them are, such as `robot.module.mass` and `robot.module[3].mass`.
+    """
+    by_plain_name: dict[str, list[str]] = {}
+    for name in names:
+        others = by_plain_name.setdefault(strip_items(name), [])
+        for other in others:
+            if have_common_items(name, other):
+                rule = "must name each number once"
+                raise BadArgument(argument, f"{rule}, got `{other}` and `{name}`")
+        others.append(name)
 
 
 def _numbers_of_controller(motion: Motion) -> Iterator[Parameter]:
@@ -164,7 +275,11 @@ def look_up(name: object, known: Mapping[str, Parameter], argument: str = "point
     """
     if isinstance(name, str) and name in known:
         return known[name]
-    hint = suggest_names(name, known) if isinstance(name, str) else ""
+    hint = ""
+    if isinstance(name, str):
+        hint = suggest_names(name, known)
+        if isinstance(known, ScenarioParameters):
+            hint = known.explain_items(name) or hint
     medium = "water"
     if any(known_name.startswith("ground.") for known_name in known):
         medium = "ground"
@@ -246,13 +361,7 @@ def value_of(name: str, scenario: Scenario, argument: str = "names") -> float:
     """
     root, *steps = name.split(".")
     environment = scenario.environment
-    roots = {
-        "robot": scenario.robot,
-        "gait": scenario.gait,
-        "joints": scenario.model.joints,
-        "controller": scenario.motion,
-    }
-    values: list[Any] = [roots.get(root, environment)]
+    values: list[Any] = [_root_object(scenario, root)]
     for step in steps:
         values = _objects_after(values, step)
     # A coefficient of a module or fin that is None takes the water's value.
@@ -265,6 +374,18 @@ def value_of(name: str, scenario: Scenario, argument: str = "names") -> float:
         rule = "must be of numbers that the trial has"
         raise BadArgument(argument, f"{rule}, got `{name}`, which is None")
     return float(values[0])
+
+
+def _root_object(scenario: Scenario, root: str) -> Any:
+    """Return the part of a scenario that the first word of a name leads to."""
+    roots = {
+        "robot": scenario.robot,
+        "gait": scenario.gait,
+        "joints": scenario.model.joints,
+        "controller": scenario.motion,
+        environment_prefix(scenario.environment): scenario.environment,
+    }
+    return roots.get(root)
 
 
 def _objects_after(owners: Sequence[Any], step: str) -> list[Any]:

@@ -1,8 +1,12 @@
 """Steps of a parameter's dotted name: which field of an object each leads to, and which part of it.
 
-robot.module[3].mass   of the robot's modules the item 3, of that the mass
-robot.module.mass      the same of all modules alike
-water.current_x        of the pair `current` the first number
+robot.module[3].mass    of the robot's modules the item 3, of that the mass
+robot.module[:5].mass   the same of the five modules 0 to 4 alike
+robot.module.mass       the same of all modules alike
+water.current_x         of the pair `current` the first number
+
+Items count from 0 at the tail, and ranges are those of Python: `[2:5]` is 2, 3 and 4, `[::2]` every
+second.
 """
 
 import functools
@@ -32,7 +36,10 @@ AXIS_ENDINGS = ("_x", "_y", "_z")
 """Endings of the steps that lead to a single number of a pair or a triple."""
 COUNT_TYPES = (int, int | None)
 """Types of the fields that hold a whole number."""
-_INDEXED = re.compile(r"(\w+)\[(\d+)\]")
+_INDEXED = re.compile(r"(\w+)\[(?:(\d+)|(\d*):(\d*)(?::([1-9]\d*))?)\]")
+_BRACKETS = re.compile(r"\[[^\]]*\]")
+MOST_ITEMS = 1000
+"""More items than any part of a robot has."""
 
 
 class FieldPart(NamedTuple):
@@ -51,16 +58,70 @@ def find_part(owner: Any, step: str) -> FieldPart:
         owner: The object from which the step leads on.
         step: A part of a parameter's name.
     """
-    indexed = _INDEXED.fullmatch(step)
-    if indexed:
-        index = int(indexed[2])
-        return FieldPart(PLURALS[indexed[1]], slice(index, index + 1))
+    items = items_of(step)
+    if items is not None:
+        return FieldPart(PLURALS[strip_items(step)], items)
     if step in PLURALS and hasattr(owner, PLURALS[step]):  # a driven fin has a single joint
         return FieldPart(PLURALS[step], slice(None))
     if step.endswith(AXIS_ENDINGS) and not hasattr(owner, step):
         axis = AXIS_ENDINGS.index(step[-2:])
         return FieldPart(step[:-2], slice(axis, axis + 1))
     return FieldPart(step, None)
+
+
+def items_of(step: str) -> slice | None:
+    """Return which items a step of a name is about; None without brackets, or if these hold something else.
+
+    Args:
+        step: A part of a parameter's name.
+    """
+    indexed = _INDEXED.fullmatch(step)
+    if indexed is None:
+        return None
+    _, index, first, end, stride = indexed.groups()
+    if index is not None:
+        return slice(int(index), int(index) + 1)
+    return slice(_int_or_none(first), _int_or_none(end), _int_or_none(stride))
+
+
+def _int_or_none(digits: str | None) -> int | None:
+    return int(digits) if digits else None
+
+
+def strip_items(name: str) -> str:
+    """Return a name without the brackets that select items.
+
+    Args:
+        name: Name of a parameter, or a step of it.
+    """
+    return _BRACKETS.sub("", name)
+
+
+def list_brackets(step: str) -> list[str]:
+    """Return the brackets in a step of a name, such as [3].
+
+    Args:
+        step: A part of a parameter's name.
+    """
+    return _BRACKETS.findall(step)
+
+
+def have_common_items(name: str, other: str) -> bool:
+    """Return whether two names that differ in their brackets alone are partly about the same number.
+
+    Args:
+        name: Name of a parameter.
+        other: Another one.
+    """
+    for step, other_step in zip(name.split("."), other.split("."), strict=True):
+        if not _item_numbers(step) & _item_numbers(other_step):
+            return False
+    return True
+
+
+def _item_numbers(step: str) -> set[int]:
+    """Return the numbers of the items that a step is about."""
+    return set(range(MOST_ITEMS)[items_of(step) or slice(None)])
 
 
 def find_objects(owner: Any, step: str) -> Sequence[Any]:
@@ -83,10 +144,14 @@ def describe_step(step: str) -> str:
     Args:
         step: A part of a parameter's name.
     """
-    indexed = _INDEXED.fullmatch(step)
-    if indexed:
-        return f"{indexed[1]} {indexed[2]}".replace("_", " ")
-    return f"the {PLURALS.get(step, step)}".replace("_", " ")
+    items = items_of(step)
+    if items is None:
+        return f"the {PLURALS.get(step, step)}".replace("_", " ")
+    brackets = step[len(strip_items(step)) :]
+    singular = strip_items(step).replace("_", " ")
+    if ":" not in brackets:
+        return f"{singular} {brackets[1:-1]}"
+    return f"{PLURALS.get(singular, singular)} {brackets}"
 
 
 def nest_by_step(values: Mapping[str, float]) -> Changes:
@@ -121,6 +186,8 @@ def apply_changes(owner: Any, changes: Changes) -> Any:
         if part.items is None:
             new_fields[part.name] = _changed(value, change)
         else:
+            if items_of(step) and not value[part.items]:
+                raise ValueError(f"There is no `{step}`: {part.name} are {len(value)}.")
             new_fields[part.name] = _with_changed_items(value, part.items, change)
     for name in new_fields.keys() & _count_fields(owner.__class__):
         new_fields[name] = int(new_fields[name])

@@ -17,6 +17,7 @@ from laticauda.models.simulate.batch_figures import RunFacts
 from laticauda.models.simulate.batch_scenarios import runs_of
 from laticauda.models.simulate.numbers import (
     change_parameters,
+    check_disjoint,
     check_whole,
     list_parameters,
     look_up,
@@ -145,12 +146,13 @@ def check_columns(scenario: Scenario, columns: Columns) -> dict[str, Float[np.nd
     """
     check_instance("columns", columns, Mapping)
     check_not_empty("columns", columns, "parameter")
-    parameters = list_parameters(scenario, each=True)
+    parameters = list_parameters(scenario)
     arrays: dict[str, np.ndarray] = {}
     for name, values in columns.items():
         parameter = look_up(name, parameters, "columns")
         arrays[name] = np.asarray(values, dtype=float)
         check_whole(parameter, arrays[name])
+    check_disjoint(arrays, "columns")
     shapes = {name: values.shape for name, values in arrays.items()}
     if len(set(shapes.values())) > 1 or any(len(shape) != 1 for shape in shapes.values()):
         listed = ", ".join(f"{shape} of {name}" for name, shape in shapes.items())
