@@ -14,7 +14,7 @@ from laticauda import studies
 from laticauda.cli import command, scene
 from laticauda.cli.shared_options import threads_option
 from laticauda.cli.tables import MISSING, align_columns, format_table, parse_numbers
-from laticauda.models.simulate import Parameter, suggest_names
+from laticauda.models.simulate import Parameter, joint_motion, suggest_names
 from laticauda.models.simulate.numbers import list_parameters
 from laticauda.models.simulate.parameter_paths import list_brackets, strip_items
 from laticauda.scenarios import Scenario
@@ -40,6 +40,11 @@ MOST_COUNT = 10_000_000
 
 Parameters = Mapping[str, Parameter]
 """Numbers that can be varied, by name."""
+NUMBERS_OF_JOINTS = {
+    f"gait.{step}": Parameter(name=f"gait.{step}", unit="rad", title=title)
+    for step, title in joint_motion.TITLES.items()
+}
+"""Numbers of a gait that have brackets: which joints they are of."""
 
 
 class TypedParameter(NamedTuple):
@@ -215,7 +220,7 @@ def _match_name(typed_name: str, parameters: Parameters) -> TypedParameter | Non
 
 def _match_name_of_parts(typed_name: str, parameters: Parameters) -> TypedParameter | None:
     """Return the parameter of single parts or of a range, robot.module[:5].mass-g; None if there is none."""
-    typed = _match_name(strip_items(typed_name), parameters)
+    typed = _match_name(strip_items(typed_name), {**parameters, **NUMBERS_OF_JOINTS})
     if typed is None or "[" not in typed_name:
         return None
     typed_steps = typed_name.split(".")

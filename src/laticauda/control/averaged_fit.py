@@ -178,7 +178,7 @@ def _check_trials(trials: Sequence[Trial]) -> None:
         if trial.duration < two_cycles:
             rule = f"must last at least two gait cycles, {two_cycles:.4g} s"
             raise BadArgument(f"trials[{i}]", f"{rule}, got {trial.duration:.4g} s")
-        shapes.add((gait.amplitude, gait.phase_shift, gait.envelope))
+        shapes.add((gait.amplitude, gait.phase_shift, gait.envelope, gait.phases))
         frequencies.add(round(gait.frequency, 6))
     if len(frequencies) < 3:
         raise BadArgument(

@@ -8,14 +8,15 @@ import pytest
 
 import laticauda as lc
 from laticauda.cli.vary import RANGE_FORM, parse_grid, parse_ranges
-from laticauda.models.simulate import compute_sensitivities, list_parameters
+from laticauda.models.simulate import compute_sensitivities, list_parameters, swim_many
 from laticauda.models.simulate.numbers import change_parameters, look_up, value_of
 from laticauda.models.simulate.run_table import check_columns
 from laticauda.models.simulate.table_run import run_columns
 from laticauda.studies import Grid, Optimization, Sweep
 
 GAIT = lc.eel_like(amplitude=0.5, frequency=6.0, phase_shift=0.7)
-SCENARIO = lc.build_scenario("mamba", GAIT, duration=2.0)
+# With a fixed time step, so that differences to the frequency are of the same steps.
+SCENARIO = lc.build_scenario("mamba", GAIT, duration=2.0, dt=0.01)
 KNOWN = list_parameters(SCENARIO)
 N = SCENARIO.robot.n_links
 
@@ -116,3 +117,123 @@ def test_the_slope_to_a_range_is_the_sum_of_those_to_its_parts():
     result = compute_sensitivities([SCENARIO], names=names, figures=["forward_velocity"])
     whole, *parts = result.jacobian[0, 0].tolist()
     assert whole == pytest.approx(sum(parts), rel=1e-9)
+
+
+# ---- gaits with numbers of their own for every joint --------------------------------------------
+
+
+def test_joints_of_a_gait_have_names():
+    assert KNOWN["gait.amplitude[4]"].phrase == "amplitude of joint 4"
+    assert KNOWN["gait.phase[2:]"].phrase == "phase of joints [2:]"
+    assert KNOWN["gait.phase[2]"].unit == "rad"
+    assert f"gait.phase[{N - 1}]" not in KNOWN
+    shares = GAIT.joint_envelope(N)
+    assert value_of("gait.amplitude[4]", SCENARIO) == pytest.approx(0.5 * shares[4])
+    assert value_of("gait.phase[:5]", SCENARIO) == 0.0
+
+
+def test_a_joint_gets_the_amplitude_and_the_phase_of_its_name():
+    changes = {"gait.amplitude[4]": 0.3, "gait.phase[2]": 0.2, "gait.phase[:2]": -0.1}
+    changed = change_parameters(SCENARIO, changes)
+    assert {name: value_of(name, changed) for name in changes} == pytest.approx(changes)
+    gait = changed.gait
+    others = [i for i in range(N - 1) if i != 4]
+    shares = np.array(GAIT.joint_envelope(N))
+    np.testing.assert_array_equal(np.array(gait.joint_envelope(N))[others], shares[others])
+    assert gait.phases == (-0.1, -0.1, 0.2, *[0.0] * (N - 4))
+    generator = lc.motion.gaits.Generator(n_links=N, ramp=0.0)
+    state = generator.step(generator.init(gait), gait, 1.3)
+    angles = generator.joints(state, gait)[0]
+    lead = gait.frequency * 1.3 + 2 * gait.phase_shift + 0.2
+    assert angles[2] == pytest.approx(gait.amplitude * shares[2] * np.sin(lead))
+
+
+def test_amplitudes_of_joints_need_a_gait_that_moves():
+    still = replace(SCENARIO, motion=replace(GAIT, amplitude=0.0))
+    with pytest.raises(ValueError, match=r"`gait\.amplitude` must be > 0 for joints with"):
+        change_parameters(still, {"gait.amplitude[4]": 0.3})
+    with pytest.raises(ValueError, match="one lead per joint, 9 for 10 links, got 2"):
+        replace(GAIT, phases=(0.1, 0.2)).joint_phases(10)
+
+
+def test_options_name_the_joints_of_a_gait():
+    grid = parse_grid(["amplitude[4]-deg=10,20", "gait.phase[:3]-deg=-30"], KNOWN)
+    np.testing.assert_allclose(grid.values["gait.amplitude[4]"], np.radians([10.0, 20.0]))
+    np.testing.assert_allclose(grid.values["gait.phase[:3]"], np.radians([-30.0]))
+
+
+LEADS = tuple(0.1 * i for i in range(N - 1))
+STEEPER = replace(GAIT, phase_shift=GAIT.phase_shift + 0.1)
+LEADING = replace(GAIT, phases=LEADS)
+
+
+@pytest.mark.parametrize("changes", [{}, {"joints": "pd"}, {"model": "spatial"}])
+def test_leads_that_grow_by_a_step_are_another_phase_shift(changes: dict[str, str]):
+    steeper, leading = (
+        lc.swim("mamba", gait, duration=2.0, **changes)  # pyright: ignore[reportArgumentType]
+        for gait in (STEEPER, LEADING)
+    )
+    np.testing.assert_allclose(leading.joint_angle, steeper.joint_angle, rtol=0.0, atol=1e-9)
+    np.testing.assert_allclose(leading.center_of_mass, steeper.center_of_mass, atol=1e-9)
+
+
+def test_the_kernels_follow_the_generator():
+    gait = replace(GAIT, phases=tuple(0.3 * (-1) ** i for i in range(N - 1)))
+    trial = lc.swim("mamba", gait, duration=2.0)
+    generator = lc.motion.gaits.Generator(n_links=N, ramp=0.0)
+    state = generator.step(generator.init(gait), gait, 2.0)
+    np.testing.assert_allclose(
+        trial.joint_angle[-1], generator.joints(state, gait)[0], rtol=0.0, atol=1e-9
+    )
+
+
+def test_trials_side_by_side_are_those_alone():
+    gaits = [GAIT, LEADING, replace(GAIT, phases=(0.0,) * (N - 1)), STEEPER]
+    figures = swim_many("mamba", gaits, duration=2.0).forward_velocity
+    alone = [swim_many("mamba", [gait], duration=2.0).forward_velocity[0] for gait in gaits]
+    np.testing.assert_array_equal(figures, alone)
+    assert figures[2] == figures[0]
+
+
+SIXTY = [
+    *(f"gait.amplitude[{i}]" for i in range(8)),
+    *(f"gait.phase[{i}]" for i in range(8)),
+    *(f"robot.module[{i}].length" for i in range(9)),
+    *(f"robot.module[{i}].mass" for i in range(9)),
+    *(f"robot.module[{i}].section.half_height" for i in range(9)),
+    *(f"robot.module[{i}].section.half_width" for i in range(9)),
+    *(f"robot.module[{i}].normal_drag" for i in range(6)),
+    "gait.frequency",
+    "gait.phase_shift",
+]
+"""Names of a body and a gait with 60 numbers."""
+
+
+def test_sixty_numbers_of_body_and_gait_are_differentiated_as_differences_say():
+    assert len(SIXTY) == 60
+    sensitivities = compute_sensitivities([SCENARIO], names=SIXTY, figures=["forward_velocity"])
+    slopes = sensitivities.jacobian[0, 0]
+    columns: dict[str, list[float]] = {name: [] for name in SIXTY}
+    steps = [max(1e-2 * abs(value_of(name, SCENARIO)), 1e-3) for name in SIXTY]
+    for i, step in enumerate(steps):
+        for share in (1.0, -1.0, 0.5, -0.5):
+            for j, name in enumerate(SIXTY):
+                change = share * step if j == i else 0.0
+                columns[name].append(value_of(name, SCENARIO) + change)
+    checked = check_columns(SCENARIO, columns)
+    result = run_columns(SCENARIO, checked, threads=1, with_peaks=False)[0]
+    velocity = result.figures["forward_velocity"].reshape(len(SIXTY), 4)
+    wide = (velocity[:, 0] - velocity[:, 1]) / (2.0 * np.array(steps))
+    narrow = (velocity[:, 2] - velocity[:, 3]) / np.array(steps)
+    differences = (4.0 * narrow - wide) / 3.0
+    np.testing.assert_allclose(slopes, differences, rtol=1e-6, atol=1e-6 * np.abs(slopes).max())
+
+
+def test_forward_and_backward_agree_at_leads_of_zero():
+    few = ["gait.phase[2]", "gait.amplitude[4]", "gait.phase[:]"]
+    forward = compute_sensitivities([SCENARIO], names=few, figures=["forward_velocity"])
+    backward = compute_sensitivities([SCENARIO], names=SIXTY, figures=["forward_velocity"])
+    for name in few[:2]:
+        assert forward.of("forward_velocity", name) == pytest.approx(
+            backward.of("forward_velocity", name), rel=1e-9
+        )

@@ -7,7 +7,7 @@ from laticauda.motion.joints import JOINT, Drive, JointLaw
 from laticauda.robot import Hinge, Joint, Robot, has_power_model
 
 # Columns of the table; that of the envelope is 0.
-ENVELOPE, STIFFNESS, DAMPING, DRIVE, MOTOR, STALL_POWER, N_NUMBERS = JOINT
+ENVELOPE, STIFFNESS, DAMPING, DRIVE, MOTOR, STALL_POWER, LEAD, N_NUMBERS = JOINT
 
 
 def joint_table(robot: Robot, law: JointLaw) -> Float[np.ndarray, "n_joints n_numbers"]:

@@ -323,9 +323,11 @@ def pull_references(S, G, n, law, tail_link):
     for i in range(tail_link + 1, n):
         if law[i] == PRESCRIBED:
             b = HEADER_ROWS + i * BODY_ROWS
-            motion, phase = pull_joint(S, G, b, s, c, k, wave)
+            sine, cosine = drives.ahead_of_wave(S, b, s, c)
+            motion, phase = pull_joint(S, G, b, sine, cosine, k, wave)
             sums = add_motions(sums, motion)
             G[PHASE] += phase
+            G[b + LEAD] += phase
             G[PHASE_SHIFT_NOW] += k * phase
             s, c = s * cos_shift + c * sin_shift, c * cos_shift - s * sin_shift
             k += 1.0

@@ -19,7 +19,7 @@ lanes. `bindings` holds that of this loading, under the name that `model.TEMPLAT
 from laticauda.compiling import compile_scalar, kernel
 from laticauda.compiling.formulas import rows_from
 from laticauda.compiling.functions import expm1, sincos
-from laticauda.compiling.lanes import any_lane, first_lane, where
+from laticauda.compiling.lanes import any_lane, first_lane, magnitude, where
 from laticauda.compiling.templates import bindings
 from laticauda.models.dynamics.semi_implicit import N_STAGES, NODES
 from laticauda.models.dynamics.shared_laws import compile_shared_laws
@@ -106,7 +106,10 @@ def set_reference(S, n, law, tail_link):
         if law[i] != LOCKED and law[i] != PASSIVE:
             b = HEADER_ROWS + i * BODY_ROWS
             s, c = S[SIN_PHASE], S[COS_PHASE]
-            take_reference(S, b, law[i], shared.wave_reference(s, c, S[b + ENVELOPE], k, wave))
+            sine, cosine = ahead_of_wave(S, b, s, c)
+            take_reference(
+                S, b, law[i], shared.wave_reference(sine, cosine, S[b + ENVELOPE], k, wave)
+            )
             # Rotate to the next joint; stored in rows, so that the compiler rounds the products one
             # at a time.
             S[SIN_PHASE] = s * S[COS_SHIFT] + c * S[SIN_SHIFT]
@@ -114,6 +117,16 @@ def set_reference(S, n, law, tail_link):
             k += 1.0
     if first_lane(S[KNOTS].real) > 0.0:
         add_recorded(S, n, law, tail_link)
+
+
+@kernel
+def ahead_of_wave(S, b, s, c):
+    """Return sine and cosine of a joint's phase from those of the wave, which it may lead."""
+    lead = S[b + LEAD]
+    if any_lane(magnitude(lead.real) + magnitude(lead.imag) > 0.0):
+        sin_lead, cos_lead = sincos(lead)
+        return s * cos_lead + c * sin_lead, c * cos_lead - s * sin_lead
+    return s, c
 
 
 @kernel
@@ -346,10 +359,10 @@ def deliver_powers(S, n, law):
         b = HEADER_ROWS + i * BODY_ROWS
         if law[i] < FIRST_FREE:
             S[b + TORQUE] = S[b + TOTAL_TORQUE] + skin(S, b)
-        magnitude, signed, delivered = shared.joint_powers(S[b + TORQUE], S[b + RATE])
+        exchanged, signed, delivered = shared.joint_powers(S[b + TORQUE], S[b + RATE])
         if any_lane(S[b + STALL_POWER].real > 0.0):
             electrical += shared.motor_power(S[b + TORQUE], S[b + RATE], *motor_of(S, b))
-        absolute += magnitude
+        absolute += exchanged
         net += signed
         positive += delivered
     return absolute, net, positive, electrical

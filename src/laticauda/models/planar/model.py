@@ -177,6 +177,11 @@ class PlanarPlant(Plant[Planar]):
         return rows.HEADER_ROWS + bodies * rows.BODY_ROWS + rows.ENVELOPE
 
     @cached_property
+    def _lead(self) -> np.ndarray:
+        """Rows of the lead of the body's joints over the wave."""
+        return self._envelope + (rows.LEAD - rows.ENVELOPE)
+
+    @cached_property
     def _kernels(self) -> Any:
         return self.kernels_of(1)
 
@@ -297,6 +302,8 @@ class PlanarPlant(Plant[Planar]):
         ramp = self.ramp if command.references is None else 0.0
         S[rows.AMPLITUDE : rows.RAMP + 1] = (*wave, self.settings.offset_bandwidth, ramp)
         S[self._envelope] *= command.gait.joint_envelope(self.robot.n_links)
+        if command.references is None:
+            S[self._lead] = command.gait.joint_phases(self.robot.n_links)
         robot = command.effectors(self.robot)
         if robot is not self.robot:
             without_flow = S[: S.size - self.flow.numbers.size]

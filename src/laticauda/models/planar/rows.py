@@ -193,8 +193,9 @@ HEADER_ROWS = _header.n
 # Its first rows are the numbers of a joint of either model, in the order of `motion.joints.laws.JOINT`
 # (`dynamics.joint_table` fills them): angle per amplitude of the gait, torque of the skin per angle and
 # per rate, then the fields of `laws.Drive`; those from MOTOR to STALL_POWER are what `laws.motor_power`
-# takes. From there come also the codes of joint laws, LOCKED and so on: kernels take both from here.
-ENVELOPE, STIFFNESS, DAMPING, DRIVE, MOTOR, STALL_POWER, JOINT_ROWS = JOINT
+# takes; LEAD is the phase of the joint ahead of the wave.
+# From there come also the codes of joint laws, LOCKED and so on: kernels take both from here.
+ENVELOPE, STIFFNESS, DAMPING, DRIVE, MOTOR, STALL_POWER, LEAD, JOINT_ROWS = JOINT
 _body = _Counter(JOINT_ROWS)
 # parameters: `layout` writes those from LENGTH to CENTER in this order
 LENGTH = _body.take()  # 2l [m]

@@ -17,6 +17,7 @@ harvest.py          what is taken from their logs, in compiled code (template)
 run_figures.py      names, units and titles of these figures
 numbers.py          parameters that can be swept, by dotted name
 parameter_paths.py  steps of these names, and changing what they lead to
+joint_motion.py     the numbers among them that a gait has for every joint
 sensitivity.py      `compute_sensitivities`: figures and their derivatives
 derivatives.py      batches that carry derivatives
 row_derivatives.py  how a number enters a run

@@ -3,7 +3,8 @@
 A name is the path to the field: `gait.amplitude`, `water.normal_drag`, `robot.caudal_fin.length`.
 The singular of a plural field addresses all of its items alike: `robot.module.mass`,
 `robot.joint.actuator.servo_gain`. Brackets select some of them, counted from 0 at the tail, in
-ranges as in Python: `robot.module[3].mass`, `robot.module[:5].mass`, `robot.joint[::2].stiffness`.
+ranges as in Python: `robot.module[3].mass`, `robot.module[:5].mass`, `robot.joint[::2].stiffness`,
+and `gait.amplitude[4]`, `gait.phase[2]` of the joints in a gait (`joint_motion`).
 A pair of numbers is two parameters: `water.current_x`, `water.current_y`; a flow has each of its
 numbers: `water.current.height`, and a sum of flows those of each flow:
 `water.current.flow[0].height`. `robot.n_links` is the number of links; `joints` has the numbers of
@@ -18,12 +19,14 @@ from typing import Any, cast
 
 import numpy as np
 
+from laticauda.models.simulate import joint_motion
 from laticauda.models.simulate.parameter_paths import (
     AXIS_ENDINGS,
     COUNT_TYPES,
     PLURALS,
     SINGULARS,
     SINGULARS_OF_SEPARATE,
+    Changes,
     apply_changes,
     describe_step,
     find_objects,
@@ -39,7 +42,7 @@ from laticauda.models.simulate.run_figures import (  # where they were found so 
     of_figure as of_figure,
 )
 from laticauda.motion.gaits import Gait
-from laticauda.robot import Current, Environment, Water
+from laticauda.robot import Current, Environment, Robot, Water
 from laticauda.scenarios import Motion, OpenLoop, Scenario
 from laticauda.values import BadArgument, hints_of, quantities_of, texts_of
 from laticauda.values.packaging import renamed_names
@@ -72,6 +75,9 @@ class Parameter:
     def phrase(self) -> str:
         """Name in words, as on a plot axis: height of the caudal fin."""
         root, *owners, last = self.name.split(".")
+        if root == "gait" and joint_motion.is_of_joints(last):
+            joints = last.replace(strip_items(last), "joint")
+            return f"{strip_items(last)} of {describe_step(joints)}"
         axis = ""
         if last.endswith(AXIS_ENDINGS):
             axis = f", {last[-1]}"
@@ -171,8 +177,10 @@ def _find_of_parts(scenario: Scenario, name: object) -> Parameter | None:
     """Return the parameter of a name with brackets; None if there is none."""
     if not isinstance(name, str) or "[" not in name:
         return None
-    prefix, _, _ = name.rpartition(".")
+    prefix, _, last = name.rpartition(".")
     root, *steps = prefix.split(".")
+    if prefix == "gait" and joint_motion.is_of_joints(last):
+        return _find_of_joints(scenario, last)
     owners: list[Any] = [_root_object(scenario, root)]
     for step in steps:
         if any(not _can_lead_on(owner, step) for owner in owners):
@@ -187,6 +195,14 @@ def _find_of_parts(scenario: Scenario, name: object) -> Parameter | None:
             return None
         found.append(numbers[name])
     return found[0] if found else None
+
+
+def _find_of_joints(scenario: Scenario, step: str) -> Parameter | None:
+    """Return the parameter of single joints in the gait; None if the robot has no such joint."""
+    if not joint_motion.list_values(scenario.gait, step, scenario.robot):
+        return None
+    title = joint_motion.TITLES[strip_items(step)]
+    return Parameter(name=f"gait.{step}", unit="rad", title=title)
 
 
 def _can_lead_on(owner: Any, step: str) -> bool:
@@ -321,7 +337,7 @@ def change_parameters(scenario: Scenario, values: Mapping[str, float]) -> Scenar
         robot = robot.with_links(int(robot_changes.pop("n_links")))
     motion = apply_changes(scenario.motion, changes.get("controller", {}))
     if "gait" in changes:
-        motion = _with_gait(motion, apply_changes(scenario.gait, changes["gait"]))
+        motion = _with_gait(motion, _change_gait(scenario.gait, changes["gait"], robot))
     model = scenario.model
     if "joints" in changes:
         model = apply_changes(model, {"joints": changes["joints"]})
@@ -334,6 +350,16 @@ def change_parameters(scenario: Scenario, values: Mapping[str, float]) -> Scenar
         environment=apply_changes(environment, environment_changes),
         model=model,
     )
+
+
+def _change_gait(gait: Gait, changes: Changes, robot: Robot) -> Gait:
+    """Return a gait with other numbers, some of them of single joints."""
+    of_joints = {step: value for step, value in changes.items() if joint_motion.is_of_joints(step)}
+    others = {step: value for step, value in changes.items() if step not in of_joints}
+    gait = apply_changes(gait, others)
+    if not of_joints:
+        return gait
+    return joint_motion.change_joints(gait, of_joints, robot)
 
 
 def _with_gait(motion: Motion, gait: Gait) -> Motion:
@@ -362,10 +388,13 @@ def value_of(name: str, scenario: Scenario, argument: str = "names") -> float:
     root, *steps = name.split(".")
     environment = scenario.environment
     values: list[Any] = [_root_object(scenario, root)]
+    if root == "gait" and joint_motion.is_of_joints(steps[-1]):
+        values = joint_motion.list_values(scenario.gait, steps[-1], scenario.robot)
+        steps = []
     for step in steps:
         values = _objects_after(values, step)
     # A coefficient of a module or fin that is None takes the water's value.
-    default = getattr(environment, steps[-1], None)
+    default = getattr(environment, name.rpartition(".")[2], None)
     values = [default if value is None else value for value in values]
     if len(set(values)) > 1:
         rule = "must be of numbers that are the same in all parts"

@@ -89,7 +89,7 @@ def set_wave(X, C, w, ramp, wave, J, R):
     k = 0.0
     for i in range(J.shape[0]):
         if J[i, WAVE] == wave:
-            psi = X[PHASE] + k * X[PHASE_SHIFT_NOW] + C[AHEAD]
+            psi = X[PHASE] + k * X[PHASE_SHIFT_NOW] + C[AHEAD] + J[i, LEAD]
             R[0, i], R[1, i], R[2, i] = shared.wave_reference(
                 np.sin(psi), np.cos(psi), J[i, ENVELOPE], k, motion
             )

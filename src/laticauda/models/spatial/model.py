@@ -276,7 +276,10 @@ class SpatialPlant(Plant[Spatial]):
             numbers[rows.RAMP] = 0.0
         is_yaw = joints[:, rows.WAVE] == rows.YAW_WAVE
         recording = self._recorded(command, joints[is_yaw, rows.ENVELOPE])
-        joints[is_yaw, rows.ENVELOPE] *= command.gait.joint_envelope(int(is_yaw.sum()) + 1)
+        n_yaw_links = int(is_yaw.sum()) + 1
+        joints[is_yaw, rows.ENVELOPE] *= command.gait.joint_envelope(n_yaw_links)
+        if command.references is None:
+            joints[is_yaw, rows.LEAD] = command.gait.joint_phases(n_yaw_links)
         if command.gait.pitch is not None:
             is_pitch = joints[:, rows.WAVE] == rows.PITCH_WAVE
             envelope = command.gait.pitch.envelope

@@ -94,7 +94,7 @@ FIRST_QVEL = 6
 PLACES = 7
 
 # --- One row of joint parameters: the joint's numbers, its law, and the wave that moves it
-ENVELOPE, STIFFNESS, DAMPING, DRIVE, MOTOR, STALL_POWER, LAW = JOINT
+ENVELOPE, STIFFNESS, DAMPING, DRIVE, MOTOR, STALL_POWER, LEAD, LAW = JOINT
 WAVE = LAW + 1
 YAW_WAVE = 0
 PITCH_WAVE = 1

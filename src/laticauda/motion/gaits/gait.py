@@ -262,8 +262,8 @@ class Gait(Suggesting):
     phase shift sends the wave from head to tail and the robot swims head first. omega t is the
     integral of a frequency that may change, and the amplitude starts smoothly: see `Generator`. The
     `kind` is that of the envelope: lateral_undulation (g = 1), eel_like (g = (n-i)/(n+1)), custom,
-    or a custom class (`Envelope`). Recorded angles are added to the wave unchanged, without its
-    smooth start (`recorded_gait`).
+    or a custom class (`Envelope`). With `phases`, every joint has a lead of its own, added to
+    (i-1) delta. Recorded angles are added to the wave unchanged, without its smooth start (`recorded_gait`).
 
     Raises:
         ValueError: If a field is out of its range.
@@ -292,6 +292,11 @@ class Gait(Suggesting):
     fin: Wave | None = option("Wave of a driven fin; None: it stays straight", default=None)
     recorded: JointAngles | None = option(
         "Angles of yaw joints over time, to which the wave is added", default=None
+    )
+    phases: tuple[float, ...] | None = quantity(
+        "rad",
+        "Lead of every yaw joint over the wave, tail first; None: 0",
+        default=None,
     )
 
     def __post_init__(self) -> None:
@@ -364,6 +369,23 @@ class Gait(Suggesting):
         """
         return self.envelope.joints(n_links)
 
+    def joint_phases(self, n_links: int) -> tuple[float, ...]:
+        """Return the lead of each of the n - 1 joints over the wave, tail first [rad].
+
+        Args:
+            n_links: n.
+
+        Raises:
+            ValueError: If the gait has leads for a different number of joints.
+        """
+        n_joints = n_links - 1
+        if self.phases is None:
+            return (0.0,) * n_joints
+        if len(self.phases) != n_joints:
+            need = f"one lead per joint, {n_joints} for {n_links} links"
+            raise BadArgument("phases", f"must have {need}, got {len(self.phases)}")
+        return self.phases
+
 
 FIRST_GAIT = Gait(amplitude=radians(30.0), frequency=radians(130.0), phase_shift=radians(40.0))
 """Gait of Mamba's first trial in the paper."""
@@ -375,6 +397,8 @@ class GaitFields(WaveFields, total=False):
     pitch: Wave | None
     fin: Wave | None
     recorded: JointAngles | None
+    phases: tuple[float, ...] | None
+    phases_deg: tuple[float, ...] | None
 
 
 FASTEST = 6.0

@@ -124,8 +124,9 @@ class Generator:
         n_pitch_joints = len(axes) - n_yaw_joints
         pitch_envelope = (gait.pitch or STRAIGHT).envelope.joints(n_pitch_joints + 1)
         yaw_envelope = gait.joint_envelope(n_yaw_joints + 1)
+        yaw_leads = gait.joint_phases(n_yaw_joints + 1)
         next_reference = {
-            "yaw": iter(self._wave(state.yaw, yaw_target, state.time, yaw_envelope)),
+            "yaw": iter(self._wave(state.yaw, yaw_target, state.time, yaw_envelope, yaw_leads)),
             "pitch": iter(self._wave(state.pitch, pitch_target, state.time, pitch_envelope)),
         }
         references = np.array([next(next_reference[axis]) for axis in axes]).reshape(-1, 3).T
@@ -151,11 +152,14 @@ class Generator:
         target: reference.WaveTarget,
         time: float,
         envelope: tuple[float, ...],
+        leads: tuple[float, ...] | None = None,
     ) -> list[Reference]:
         """Return the references of the joints moved by one wave."""
         ramp = reference.smooth_start(time, self.ramp)
         motion = reference.wave_motion(wave, target[:4], self.bandwidth, ramp)
         phases = [wave.phase + k * wave.phase_shift + target.phase for k in range(len(envelope))]
+        if leads is not None:
+            phases = [phase + lead for phase, lead in zip(phases, leads, strict=True)]
         return [
             reference.wave_reference(math.sin(psi), math.cos(psi), g, k, motion)
             for k, (psi, g) in enumerate(zip(phases, envelope, strict=True))

@@ -49,11 +49,12 @@ _DRIVE = 3
 JOINT = (
     *range(4),
     _DRIVE + Drive._fields.index("stall_torque"),
-    *(_DRIVE + len(Drive._fields) + k for k in range(2)),
+    *(_DRIVE + len(Drive._fields) + k for k in range(3)),
 )
 """Positions of a joint's numbers in the kernels of both models: its envelope g, times the share of it that a prescribed
 joint does; stiffness and damping of skin or hinge; the `Drive`, and where its motor begins; the
-motor's V I_stall, 0 if electrical power is not requested; and the total count."""
+motor's V I_stall, 0 if electrical power is not requested; the lead of its phase over the gait's wave; and the
+total count."""
 
 
 class JointLaw(Law, Extensible, group="joint_laws"):
