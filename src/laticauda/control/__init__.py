@@ -11,6 +11,7 @@ tank.
 - following: their parameters as in trial files and on the command line
 - averaged: a model of the motion from cycle to cycle; averaged_fit: its fit to trials;
   offset_steps: a maneuver that identifies it; current: an observer of the current, built on it
+- neural: gaits by oscillators and neurons, with feedback from the body
 - mpc: guidance that plans ahead; estimation: position and motion of the robot from samples
 """
 
@@ -35,6 +36,12 @@ if TYPE_CHECKING:
         ROUNDING as ROUNDING,
         compute_mean_heading as compute_mean_heading,
         extend_integral as extend_integral,
+    )
+    from laticauda.control.neural import (
+        Feedback as Feedback,
+        HalfCenters as HalfCenters,
+        NeuralGait as NeuralGait,
+        PhaseOscillators as PhaseOscillators,
     )
     from laticauda.control.path_following import (
         PathFollowing as PathFollowing,
@@ -73,6 +80,12 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "HeadingEstimate",
             "IntegralLineOfSight",
             "LineOfSight",
+        ],
+        "laticauda.control.neural": [
+            "Feedback",
+            "HalfCenters",
+            "NeuralGait",
+            "PhaseOscillators",
         ],
         "laticauda.control.path_following": ["PathFollowing", "PathFollowingState"],
         "laticauda.control.paths": ["Circle", "Polyline", "Spline", "StraightLine"],

@@ -41,7 +41,10 @@ def join_columns(before: Columns, after: Columns) -> Columns:
         before: The earlier ones.
         after: The later ones.
     """
-    return {name: np.concatenate((column, after[name])) for name, column in before.items()}
+    joined: dict[str, np.ndarray] = {}
+    for name, column in before.items():
+        joined[name] = np.concatenate((column, after[name]))
+    return joined
 
 
 class Checkpoint:

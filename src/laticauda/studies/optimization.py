@@ -155,11 +155,14 @@ class Optimization(Limits):
             searched: Points in the `box`.
         """
         low, high = self._bound_arrays()
-        return np.where(self._is_whole, np.clip(np.rint(searched), low, high), searched)
+        rounded = np.rint(searched)
+        whole = np.clip(rounded, low, high)
+        return np.where(self._is_whole, whole, searched)
 
     def _bound_arrays(self) -> tuple[np.ndarray, np.ndarray]:
         """Return the smallest and the largest value of every parameter."""
-        low, high = np.array(list(self.bounds.values()), dtype=float).T
+        bounds = np.array([*self.bounds.values()], dtype=float)
+        low, high = bounds.T
         return low, high
 
     @property
@@ -197,7 +200,9 @@ def evaluate(
     names = optimization.names
     violation = _excess_of_gaits(scenario, names, table, optimization.joint_rate_limit)
     swims = violation == 0.0
-    results: dict[str, Column] = {name: np.full(len(table), np.nan) for name in QUANTITIES}
+    results: dict[str, Column] = {}
+    for name in QUANTITIES:
+        results[name] = np.full(len(table), np.nan)
     results["succeeded"] = np.zeros(len(table), dtype=bool)
     if swims.any():
         figures = _swim(optimization, table[swims], threads, client)
@@ -211,7 +216,9 @@ def evaluate(
         shortfall = 1.0 - results[speed] / optimization.least_velocity
         is_slow = swims & (shortfall > 0.0)
         violation = np.where(is_slow, np.maximum(shortfall, violation), violation)
-    has_values = np.all([np.isfinite(results[name]) for name in optimization.objectives], axis=0)
+    has_values = np.full(len(table), True)
+    for name in optimization.objectives:
+        has_values &= np.isfinite(results[name])
     results[VIOLATION] = np.where(swims & ~has_values, FAILED, violation)
     return results
 

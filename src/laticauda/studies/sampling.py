@@ -106,10 +106,10 @@ class Grid(_Values):
 
     def definition(self) -> dict[str, Any]:
         """Return the definition of the points for a file."""
-        return {
-            "kind": "grid",
-            "values": {name: np.asarray(values).tolist() for name, values in self.values.items()},
-        }
+        numbers: dict[str, list[float]] = {}
+        for name, values in self.values.items():
+            numbers[name] = np.asarray(values).tolist()
+        return {"kind": "grid", "values": numbers}
 
 
 class Rows(_Values):
@@ -146,8 +146,10 @@ class Rows(_Values):
             counts: Names of parameters that take whole numbers only; ignored, as the values of a
                 list are given.
         """
+        columns = [np.asarray(values) for values in self.values.values()]
         for (rows,) in blocks:
-            yield np.stack([np.asarray(values)[rows] for values in self.values.values()], axis=1)
+            columns_of_block = [column[rows] for column in columns]
+            yield np.stack(columns_of_block, axis=1)
 
     def definition(self) -> dict[str, Any]:
         """Return the definition of the points for a file: digests, as a list may be long."""

@@ -178,6 +178,8 @@ class _QuasiNewton:
         inverse = self._inverse
         if inverse is None:
             inverse = curvature / float(turn @ turn) * identity
-        projection = identity - np.outer(step, turn) / curvature
-        along_step = np.outer(step, step) / curvature
-        self._inverse = projection @ inverse @ projection.T + along_step
+        mixed = np.outer(step, turn)
+        along_step = np.outer(step, step)
+        projection = identity - mixed / curvature
+        projected = projection @ inverse @ projection.T
+        self._inverse = projected + along_step / curvature

@@ -311,7 +311,10 @@ def _indices_within(
 ) -> tuple[int, ...]:
     """Return the indices in the whole sweep of a point of a block."""
     within_block = np.unravel_index(flat_index, shape)
-    return tuple(part.start + int(i) for part, i in zip(block, within_block, strict=True))
+    indices: list[int] = []
+    for part, index in zip(block, within_block, strict=True):
+        indices.append(part.start + int(index))
+    return tuple(indices)
 
 
 def _read_point(dataset: Any, indices: tuple[int, ...]) -> dict[str, float]:

@@ -155,7 +155,9 @@ class Contents(series.Log):
             clean["link_force"] = arrays.check_each("link_force", self.link_force, shape)
         # A sensor tells nothing where there is no echo, or before its first reading.
         model = self.scenario.model
-        names_of_readings = () if model is None else model.names_of_readings
+        names_of_readings: tuple[str, ...] = ()
+        if model is not None:
+            names_of_readings = model.names_of_readings
         clean["signals"] = arrays.check_each(
             "signals", self.signals, (len(self.time),), may_lack=names_of_readings
         )

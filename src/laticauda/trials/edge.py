@@ -153,7 +153,9 @@ def thrust_error(trial: Contents) -> ThrustError | None:
         return None
     aspect = edge_aspect(trial.chain)
     plate = fin_plate(trial.chain)
-    lift_share = plate_functions(aspect).lift if plate is None else plate.lift
+    if plate is None:
+        plate = plate_functions(aspect)
+    lift_share = plate.lift
     if lift_share >= BROAD_LIFT_SHARE:
         return None
     if water.trailing_edge == "elongated":

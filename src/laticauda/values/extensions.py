@@ -43,6 +43,8 @@ HOMES: Mapping[str, Mapping[str, str]] = {
         "spatial-path-following": "laticauda.control.spatial_path_following",
         "model-predictive": "laticauda.control.mpc.predictive",
         "offset-steps": "laticauda.control.offset_steps",
+        "phase-oscillators": "laticauda.control.neural.phase_oscillators",
+        "half-centers": "laticauda.control.neural.half_centers",
     },
     "drivers.bus": {
         "can": "laticauda.tank.operate.drivers.can",

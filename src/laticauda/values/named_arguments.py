@@ -73,10 +73,11 @@ def _in_si_unit(argument: _ArgumentUnit, name: str, number: Any) -> Any:
     quantity_in_unit = quantity.in_unit(argument.unit)
     if argument.field.annotation.tuples and isinstance(number, list | tuple):
         numbers = cast("Sequence[Any]", number)
-        checked_numbers = [
-            quantity_in_unit.checked(f"{name}[{k}]", each) for k, each in enumerate(numbers)
-        ]
-        return tuple(argument.unit.to_si(each) for each in checked_numbers)
+        converted: list[float] = []
+        for k, unchecked in enumerate(numbers):
+            checked = quantity_in_unit.checked(f"{name}[{k}]", unchecked)
+            converted.append(argument.unit.to_si(checked))
+        return tuple(converted)
     return argument.unit.to_si(quantity_in_unit.checked(name, number))
 
 

@@ -122,7 +122,9 @@ class _Group(ABC):
         key = is_near.tobytes()
         if key not in self._parts:
             nearby = [self._solids[i] for i in np.flatnonzero(is_near).tolist()]
-            self._parts[key] = type(self)(nearby) if nearby else None
+            self._parts[key] = None
+            if nearby:
+                self._parts[key] = type(self)(nearby)
         return self._parts[key]
 
     def cast(self, origin: np.ndarray, directions: np.ndarray) -> Hits:

@@ -1,0 +1,267 @@
+"""What controllers made of neurons share: a chain with cuts, feedback from the body, and steering from above.
+
+A network tends to a gait, from which it takes frequency, amplitudes and phase shift. It commands the
+reference of every joint, so it is for joints that take references: servos, pd control, muscles.
+Another controller may steer it: the offset that it commands bends the body, and the amplitude and
+frequency of its gait drive the network.
+"""
+
+import math
+from abc import abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any, Generic, TypeVar
+
+import numpy as np
+from jaxtyping import Float
+
+from laticauda.motion.gaits import Gait
+from laticauda.robot import Robot
+from laticauda.scenarios import Command, Controller, Observation
+from laticauda.values import BadArgument, option, quantity, value_class
+
+Neurons = TypeVar("Neurons")
+PerJoint = Float[np.ndarray, " n_joints"]
+
+LONGEST_STEP = 0.01
+"""Largest time step by which neurons are integrated [s]."""
+ROUNDING = 1e-9
+"""Time by which an instant may be too early and still counts [s]."""
+
+
+@value_class
+class Feedback:
+    """What a neuron feels of the body at its own joint; each kind pulls its phase, by the rate times its gain.
+
+    A positive gain of either kind lets an oscillator advance while what it feels agrees with the bend
+    that it commands.
+    """
+
+    stretch: float = quantity("1/(rad s)", "Gain of the joint's own angle", default=0.0)
+    pressure: float = quantity(
+        "1/(Pa s)",
+        "Gain of the mean pressure difference on the two links of the joint",
+        default=0.0,
+    )
+
+    def __bool__(self) -> bool:
+        """Return whether anything is felt."""
+        return self.stretch != 0.0 or self.pressure != 0.0
+
+    def felt(self, observation: Observation) -> PerJoint:
+        """Return the rate by which what is felt would pull a phase at most, for every joint [1/s].
+
+        Args:
+            observation: What the robot feels.
+        """
+        rate = self.stretch * observation.joint_angle
+        if self.pressure != 0.0:
+            pressure = observation.loads.pressure_difference
+            at_joints = 0.5 * (pressure[:-1] + pressure[1:])
+            rate = rate + self.pressure * at_joints
+        return rate
+
+
+@dataclass(frozen=True)
+class Drive:
+    """What a network is asked for from above."""
+
+    amplitude: PerJoint
+    """Amplitude of every joint [rad]."""
+    frequency: PerJoint
+    """Natural angular frequency of every joint's neurons [rad/s]."""
+    phase_shift: float
+    """Phase shift from joint to joint [rad]."""
+    offset: float
+    """Bend of all joints; positive turns left [rad]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class NetworkState(Generic[Neurons]):
+    """State of a network between two control instants."""
+
+    neurons: Neurons | None = None
+    """Its neurons; None before the first instant."""
+    time: float = 0.0
+    """Time of the last instant [s]."""
+    steering: Any = None
+    """State of the controller that steers."""
+    steered_at: float = -math.inf
+    """When it steered last [s]."""
+    command: Command | None = None
+    """What it commanded then."""
+    signals: Mapping[str, float] = field(default_factory=dict[str, float])
+    """Signals of the last instant, for the log."""
+
+
+@value_class
+class NeuralGait(Controller[NetworkState[Neurons]], Generic[Neurons]):
+    """Base of controllers made of neurons.
+
+    Raises:
+        ValueError: If a field is out of its range.
+    """
+
+    gait: Gait = option("The gait to which the network tends, unless `steering` asks for another")
+    feedback: Feedback = option("What every neuron feels of the body", default=Feedback())
+    cuts: tuple[int, ...] = option(
+        "Joints, 0 = tail, whose coupling to the next joint is severed", default=()
+    )
+    steering: Controller[Any] | None = option(
+        "Controller that drives and steers it, such as path following", default=None
+    )
+    seed: int | None = option(
+        "Seed of random initial phases and of the spread; None: the phases of the gait, no spread",
+        default=None,
+    )
+    spread: float = quantity(
+        "", "Standard deviation of the natural frequencies, per frequency", ge=0.0, default=0.0
+    )
+    interval: float = quantity("s", "Time between two control instants", default=0.02, gt=0.0)
+
+    def check(self, robot: Robot) -> None:
+        """Reject a `robot` with pitch joints, or cuts where it has no joints."""
+        if any(joint.axis != "yaw" for joint in robot.joints):
+            raise BadArgument("robot", "must have yaw joints only to be moved by neurons")
+        last = robot.n_joints - 2
+        for cut in self.cuts:
+            if not 0 <= cut <= last:
+                raise BadArgument("cuts", f"must be joints from 0 to {last}, got {cut}")
+        if self.steering is not None:
+            self.steering.check(robot)
+
+    def init(self) -> NetworkState[Neurons]:
+        """Return the state before the first control instant."""
+        if self.steering is None:
+            return NetworkState()
+        return NetworkState(steering=self.steering.init())
+
+    def step(
+        self, state: NetworkState[Neurons], observation: Observation
+    ) -> tuple[NetworkState[Neurons], Command]:
+        """Return the state after the observation, and the references until the next instant.
+
+        Args:
+            state: State returned by the last control instant or by `init`.
+            observation: What the robot feels, and what steering sees.
+        """
+        state = self._steer(state, observation)
+        drive = self._drive(state.command, observation.joint_angle.size)
+        now = float(observation.time)
+        neurons = state.neurons
+        if neurons is None:
+            neurons = self.begin(drive)
+        elapsed = now - state.time
+        if elapsed > 0.0:
+            neurons = self._advance(neurons, drive, observation, elapsed)
+        references = self.references(neurons, drive)
+        next_state = replace(state, neurons=neurons, time=now, signals=self.watch(neurons))
+        return next_state, Command(gait=self.gait, references=tuple(references.tolist()))
+
+    @abstractmethod
+    def begin(self, drive: Drive) -> Neurons:
+        """Return the neurons at the start.
+
+        Args:
+            drive: What is asked of them.
+        """
+
+    @abstractmethod
+    def move(self, neurons: Neurons, drive: Drive, felt: PerJoint, dt: float) -> Neurons:
+        """Return the neurons a time step later.
+
+        Args:
+            neurons: The neurons.
+            drive: What is asked of them.
+            felt: Rate by which feedback would pull each phase at most [1/s].
+            dt: Time step [s].
+        """
+
+    @abstractmethod
+    def references(self, neurons: Neurons, drive: Drive) -> PerJoint:
+        """Return the reference of every joint [rad].
+
+        Args:
+            neurons: The neurons.
+            drive: What is asked of them.
+        """
+
+    @abstractmethod
+    def watch(self, neurons: Neurons) -> dict[str, float]:
+        """Return signals for the log.
+
+        Args:
+            neurons: The neurons.
+        """
+
+    def is_coupled(self, n_joints: int) -> Float[np.ndarray, " n_joints_but_one"]:
+        """Return 1 where a joint is coupled to the next one, 0 at cuts [-].
+
+        Args:
+            n_joints: Number of joints.
+        """
+        coupled = np.ones(n_joints - 1)
+        coupled[list(self.cuts)] = 0.0
+        return coupled
+
+    def initial_phases(self, drive: Drive) -> PerJoint:
+        """Return the phases at the start: those of the gait, or random ones [rad].
+
+        Args:
+            drive: What is asked of the network.
+        """
+        n_joints = drive.amplitude.size
+        if self.seed is None:
+            return drive.phase_shift * np.arange(n_joints)
+        random = np.random.default_rng(self.seed)
+        return random.uniform(-math.pi, math.pi, n_joints)
+
+    def natural_shares(self, n_joints: int) -> PerJoint:
+        """Return the natural frequency of every joint's neurons, per frequency of the gait [-].
+
+        Args:
+            n_joints: Number of joints.
+        """
+        if self.seed is None or self.spread == 0.0:
+            return np.ones(n_joints)
+        random = np.random.default_rng((self.seed, 1))
+        return 1.0 + self.spread * random.standard_normal(n_joints)
+
+    def _steer(
+        self, state: NetworkState[Neurons], observation: Observation
+    ) -> NetworkState[Neurons]:
+        """Ask the controller that steers, if it is its turn."""
+        if self.steering is None:
+            return state
+        now = float(observation.time)
+        if now < state.steered_at + self.steering.interval - ROUNDING:
+            return state
+        steering, command = self.steering.step(state.steering, observation)
+        return replace(state, steering=steering, command=command, steered_at=now)
+
+    def _drive(self, command: Command | None, n_joints: int) -> Drive:
+        """Return what is asked of the network."""
+        gait = self.gait
+        offset = gait.offset
+        if command is not None:
+            gait = command.gait
+            offset = gait.offset + command.offset
+        envelope = np.array(gait.envelope.joints(n_joints + 1))
+        return Drive(
+            amplitude=gait.amplitude * envelope,
+            frequency=gait.frequency * self.natural_shares(n_joints),
+            phase_shift=gait.phase_shift,
+            offset=offset,
+        )
+
+    def _advance(
+        self, neurons: Neurons, drive: Drive, observation: Observation, elapsed: float
+    ) -> Neurons:
+        """Move the neurons by the time since the last instant, in steps that are short enough."""
+        felt = np.zeros(drive.amplitude.size)
+        if self.feedback:
+            felt = self.feedback.felt(observation)
+        n_steps = math.ceil(elapsed / LONGEST_STEP - ROUNDING)
+        for _ in range(n_steps):
+            neurons = self.move(neurons, drive, felt, elapsed / n_steps)
+        return neurons

@@ -1,0 +1,100 @@
+"""Gaits by neurons: alone they tend to their gait; cut apart, they swim only by what they feel."""
+
+import math
+
+import numpy as np
+import pytest
+
+import laticauda as lc
+from laticauda.control.neural import Feedback, HalfCenters, PhaseOscillators
+from laticauda.models.simulate.numbers import list_parameters
+
+GAIT = lc.lateral_undulation(amplitude_deg=30, frequency_deg_s=130, phase_shift_deg=40)
+
+
+def lags(trial):
+    """Phase from joint to joint of the references, over the second half [deg]."""
+    half = len(trial.time) // 2
+    wave = trial.joint_angle_ref[half:]
+    spectrum = np.fft.rfft((wave - wave.mean(axis=0)) * np.hanning(len(wave))[:, None], axis=0)
+    main = np.argmax(np.abs(spectrum[:, 0]))
+    phases = np.unwrap(np.angle(spectrum[main]))
+    return np.degrees(np.diff(phases))
+
+
+def test_without_feedback_oscillators_swim_the_gait_that_they_tend_to():
+    neural = lc.swim("mamba", PhaseOscillators(gait=GAIT, seed=3), 40.0, joints="servo")
+    gait = lc.swim("mamba", GAIT, 40.0, joints="servo")
+    assert lags(neural) == pytest.approx(np.full(7, 40.0), abs=1.0)
+    assert neural.forward_velocity == pytest.approx(gait.forward_velocity, rel=0.03)
+
+
+@pytest.mark.parametrize("phase_shift_deg", [20.0, 55.0])
+def test_the_lag_is_as_commanded(phase_shift_deg):
+    gait = lc.lateral_undulation(
+        amplitude_deg=30, frequency_deg_s=130, phase_shift_deg=phase_shift_deg
+    )
+    oscillators = PhaseOscillators(gait=gait, seed=1)
+    trial = lc.swim("mamba", oscillators, 30.0, joints="servo")
+    phases = np.array([trial.signals[f"phase_{i}"][-1] for i in range(8)])
+    difference = np.degrees(np.diff(phases)) - phase_shift_deg
+    assert (difference + 180.0) % 360.0 - 180.0 == pytest.approx(np.zeros(7), abs=1.0)
+
+
+def test_half_centers_make_a_wave_that_runs_to_the_tail_with_the_frequency_of_the_gait():
+    trial = lc.swim("mamba", HalfCenters(gait=GAIT), 40.0, joints="servo")
+    assert np.all((lags(trial) > 15.0) & (lags(trial) < 40.0))
+    half = len(trial.time) // 2
+    wave = trial.joint_angle_ref[half:, 4]
+    rises = np.flatnonzero((wave[:-1] <= 0.0) & (wave[1:] > 0.0))
+    period = np.mean(np.diff(trial.time[half:][rises]))
+    assert period == pytest.approx(2.0 * math.pi / GAIT.frequency, rel=0.03)
+    assert np.abs(wave).max() == pytest.approx(math.radians(30.0), rel=0.1)
+    assert trial.forward_velocity > 0.06
+
+
+def test_path_following_steers_a_network():
+    following = lc.PathFollowing(
+        gait=GAIT,
+        path=lc.StraightLine(),
+        guidance=lc.LineOfSight(look_ahead_distance=1.6),
+        heading=lc.HeadingController(gain=0.3, max_offset_deg=20),
+        heading_estimate="cycle_mean",
+    )
+    network = PhaseOscillators(gait=GAIT, steering=following)
+    start = lc.Start(center_of_mass=(0.0, 0.8))
+    trial = lc.swim("mamba", network, 60.0, joints="servo", start=start)
+    assert abs(np.mean(trial.center_of_mass[-200:, 1])) < 0.15
+    alone = lc.swim("mamba", PhaseOscillators(gait=GAIT), 60.0, joints="servo", start=start)
+    assert abs(np.mean(alone.center_of_mass[-200:, 1])) > 0.3
+
+
+def test_a_network_is_stored_with_its_trial_and_swims_again(tmp_path):
+    network = PhaseOscillators(gait=GAIT, feedback=Feedback(stretch=1.0), cuts=(2,), seed=1)
+    trial = lc.swim("mamba", network, 3.0, joints="servo")
+    trial.save(tmp_path / "trial.nc")
+    again = lc.swim(lc.load_trial(tmp_path / "trial.nc").scenario)
+    assert np.array_equal(again.joint_angle, trial.joint_angle)
+
+
+def test_numbers_of_a_network_can_be_swept():
+    scenario = lc.build_scenario("mamba", PhaseOscillators(gait=GAIT), 3.0, joints="servo")
+    names = list_parameters(scenario)
+    assert {"controller.coupling", "controller.feedback.pressure"} <= set(names)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"cuts": (8,)}, r"`cuts` must be joints from 0 to 6, got 8"),
+        ({"coupling": -1.0}, r"`coupling` must be >= 0 1/s, got -1"),
+    ],
+)
+def test_what_no_network_can_have_is_refused(change, message):
+    with pytest.raises(ValueError, match=message):
+        lc.swim("mamba", PhaseOscillators(gait=GAIT, **change), 1.0, joints="servo")
+
+
+def test_prescribed_joints_are_refused():
+    with pytest.raises(ValueError, match="`references` must be None for prescribed joints"):
+        lc.swim("mamba", PhaseOscillators(gait=GAIT), 1.0)
