@@ -28,6 +28,9 @@ class Drivers(command.Command):
     )
     meter: str | None = option("Try this power meter: [DRIVER@]ADDRESS", default=None)
     stop: str | None = option("Try this emergency-stop input: [DRIVER@]ADDRESS", default=None)
+    sensors: str | None = option(
+        "Try the robot's own sensors: [DRIVER@]ADDRESS, such as 127.0.0.1:22224", default=None
+    )
     duration: float = quantity("s", "How long to listen", gt=0.0, le=3600.0, default=5.0)
 
     def run(self) -> command.Outcome:

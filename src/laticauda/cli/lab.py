@@ -4,9 +4,12 @@ import sys
 import threading
 from collections.abc import Sequence
 from contextlib import suppress
+from dataclasses import replace
+from functools import cached_property
 from typing import Any, Literal
 
 import laticauda as lc
+from laticauda import missions
 from laticauda.cli.command import Command, until_stopped
 from laticauda.cli.flags import (
     File,
@@ -19,6 +22,8 @@ from laticauda.cli.shared_options import THIS_COMPUTER, host_option, port_option
 from laticauda.motion.gaits.gait import list_kinds
 from laticauda.robot import Parameters, Robot, Scene, Water, load_parameters, load_robot
 from laticauda.scenarios import (
+    Model,
+    Scenario,
     model_of,
     named_after,
     take_identified_parameters,
@@ -47,6 +52,10 @@ class Body(Options):
     identified on it, unless a water, joints, parameters or a coefficient are given.
     """
 
+    mission: str | None = option(
+        "A mission, by name or as a file: its robot, water, start, sensors and places (not with a robot or water)",
+        default=None,
+    )
     robot: str = option(
         "A preset (see `laticauda robots`) or a TOML file; at most 18 joints", default="mamba-fin"
     )
@@ -72,14 +81,32 @@ class Body(Options):
     )
 
     def __post_init__(self) -> None:
-        """Reject a water beside parameters, and an unknown kind of gait."""
+        """Reject a water beside parameters, an unknown kind of gait, and what a mission says itself."""
+        if self.mission is not None:
+            self._check_beside_mission()
         if self.parameters is not None and self.water is not None:
             raise BadArgument("parameters", "must not be given with `water`: both define the water")
         check_choice("gait", self._gait_kind, list_kinds())
 
+    def _check_beside_mission(self) -> None:
+        """Reject what a mission says itself."""
+        for name in ("robot", "water", "parameters", "model", "scene", "joints"):
+            usual: object = getattr(type(self), name)
+            if getattr(self, name) != usual:
+                raise BadArgument(name, "must not be given with --mission, which says it itself")
+
+    @cached_property
+    def scenario(self) -> Scenario | None:
+        """The scenario of the mission; None without one."""
+        if self.mission is None:
+            return None
+        return missions.load_mission(self.mission)
+
     @property
     def swimmer(self) -> Robot:
         """The robot, with the numbers of the parameters."""
+        if self.scenario is not None:
+            return self.scenario.robot
         robot = load_robot(self.robot)
         parameters = self._load_parameters()
         if parameters is None:
@@ -89,6 +116,8 @@ class Body(Options):
     @property
     def pool(self) -> Water:
         """The water as loaded."""
+        if self.scenario is not None:
+            return _water_of(self.scenario)
         parameters = self._load_parameters()
         if parameters is None:
             return water_for(load_robot(self.robot), self.water)
@@ -97,6 +126,9 @@ class Body(Options):
     @property
     def law(self) -> lc.JointLaw | str:
         """The law of its servos."""
+        if self.scenario is not None:
+            joints = self.scenario.model.joints
+            return joints if isinstance(joints, lc.Servo) else "servo"
         parameters = self._load_parameters()
         if self.joints is not None:
             return self.joints
@@ -107,6 +139,8 @@ class Body(Options):
     @property
     def description(self) -> str:
         """What swims, in words."""
+        if self.scenario is not None:
+            return f"{self.scenario.robot.name} on {self.mission}"
         if self.parameters is None:
             return self.robot
         return f"{self.robot} as {self.parameters}"
@@ -131,6 +165,9 @@ class Wires(Options):
     )
     host: str = host_option("Address of the cameras' server")
     port: int = port_option(22223)
+    sensors_port: int = quantity(
+        "", "Port of the robot's own sensors; 0: any free one", ge=0, le=65535, default=22224
+    )
     hops: int = quantity(
         "", "Hop limit of udp_multicast frames; 0: this computer, 1: this network", ge=0, default=0
     )
@@ -174,14 +211,18 @@ class Lab(Command):
     def read(cls, arguments: Sequence[str], prog: str) -> "Lab":
         """Return the command that was typed; see `Command.read`."""
         body: Body = parse_command(Body, arguments, prog, known_only=True)
-        if not says_coefficients(arguments):
+        if body.scenario is None and not says_coefficients(arguments):
             body = take_identified_parameters(body)
         changes: dict[str, Any] = {"joints": body.law}
         if body.scene is not None:
             changes["scene"] = body.scene
         model = model_of(body.model, **changes)
+        start = lc.Start()
+        if body.scenario is not None:
+            start = _start_of(body.scenario)
         default = cls(
             body=body,
+            start=start,
             coefficients=body.pool,
             servos=model.joints,
             surroundings=getattr(model, "scene", None) or Scene(),
@@ -200,6 +241,7 @@ class Lab(Command):
             bus=bus,
             host=self.wires.host,
             port=self.wires.port,
+            sensors_port=self.wires.sensors_port,
             speed=self.time.speed,
         )
         addresses = server.open()
@@ -222,12 +264,20 @@ class Lab(Command):
             faults = lab.load_faults(self.time.faults)
         settings = lab.LabSettings(seed=self.time.seed)
         warn_of_compiling(water, self.body.model, robot)
-        scene = None
-        if self.body.scene is not None:
-            scene = self.surroundings
-        plant = lc.build_plant(robot, water, model=self.body.model, joints=self.servos, scene=scene)
+        plant = lc.build_plant(robot, water, model=self._model())
         virtual_robot = lab.VirtualRobot(robot, plant, self.start, depth=settings.mocap.depth)
         return lab.Tank(virtual_robot, settings, faults)
+
+    def _model(self) -> Model:
+        """Return the model that moves the robot; sensors differ by the seed, too."""
+        if self.body.scenario is None:
+            scene = self.surroundings if self.body.scene is not None else None
+            return model_of(self.body.model, joints=self.servos, scene=scene)
+        model = self.body.scenario.model
+        sensors = tuple(
+            replace(sensor, seed=sensor.seed + self.time.seed) for sensor in model.sensors
+        )
+        return replace(model, joints=self.servos, sensors=sensors)
 
     def _announce_addresses(self, addresses: "lab.LabAddresses", tank: "lab.Tank") -> None:
         host, bus = addresses.mocap_host, addresses.bus
@@ -244,10 +294,26 @@ class Lab(Command):
             "robot": self.body.description,
             "nodes": len(tank.nodes),
         }
+        if addresses.sensors_port is not None:
+            facts["sensors"] = f"{host}:{addresses.sensors_port}"
         text = " | ".join(f"{name} {value}" for name, value in facts.items())
         if host == THIS_COMPUTER and not bus.hops:
             text += " (this computer only)"
         self.announce(facts, text)
+
+
+def _water_of(scenario: Scenario) -> Water:
+    """Return the water of a mission."""
+    if not isinstance(scenario.environment, Water):
+        raise BadArgument("mission", "must be one in water, got one on the ground")
+    return scenario.environment
+
+
+def _start_of(scenario: Scenario) -> lc.Start:
+    """Return where the robot of a mission starts."""
+    if not isinstance(scenario.start, lc.Start):
+        raise BadArgument("mission", "must be one that starts anew, got one that continues a run")
+    return scenario.start
 
 
 def _obey_lines(server: "lab.Lab") -> None:

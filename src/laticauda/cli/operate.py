@@ -7,10 +7,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from laticauda import missions
 from laticauda.cli import command, flags
 from laticauda.models import simulate
 from laticauda.tank.operate import drivers, run_series, session, settings, terminal
-from laticauda.values import RobotFileError, option, quantity, read_text, value_class
+from laticauda.values import BadArgument, RobotFileError, option, quantity, read_text, value_class
 
 
 @value_class
@@ -46,6 +47,14 @@ class Operate(command.Command):
     )
     meter: str | None = option(
         "Power meter: [DRIVER@]ADDRESS, such as /dev/ttyUSB0; else the file's", default=None
+    )
+    sensors: str | None = option(
+        "Robot's own sensors: [DRIVER@]ADDRESS, such as 127.0.0.1:22224; else the file's",
+        default=None,
+    )
+    mission: str | None = option(
+        "Mission that steers, by name or as a file, with its gait and duration; else as the file says",
+        default=None,
     )
     supply_voltage: float | None = quantity(
         "V", "Meter's supply voltage; the file's if omitted", gt=0.0, default=None
@@ -147,10 +156,30 @@ class Operate(command.Command):
             return nullcontext(terminal.print_events)
         return terminal.Dashboard(operation)
 
+    def _with_mission(self, operation: settings.Operation) -> settings.Operation:
+        """Return the operation, steered by the mission if there is one."""
+        if self.mission is None:
+            return operation
+        scenario = missions.load_mission(self.mission)
+        if not operation.connection.sensors_address:
+            rule = "must be given with --mission, which steers by what they tell"
+            raise BadArgument("sensors", f"{rule}, got none")
+        if operation.body() != scenario.robot:
+            rule = "must be one of the robot in the trial file, with the same parameters"
+            raise BadArgument("mission", f"{rule}, got one of `{scenario.robot.name}`")
+        return replace(
+            operation,
+            steering=missions.mission_of(scenario),
+            following=None,
+            duration=scenario.duration,
+        )
+
     def _with_options(self, operation: settings.Operation) -> settings.Operation:
         """Return the operation of the file, modified by the options."""
-        connection = operation.connection.at(bus=self.bus, mocap=self.mocap, meter=self.meter)
-        operation = replace(operation, connection=connection)
+        connection = operation.connection.at(
+            bus=self.bus, mocap=self.mocap, meter=self.meter, sensors=self.sensors
+        )
+        operation = self._with_mission(replace(operation, connection=connection))
         if self.supply_voltage is None:
             return operation
         return replace(operation, supply_voltage=self.supply_voltage)

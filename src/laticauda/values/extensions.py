@@ -55,6 +55,9 @@ HOMES: Mapping[str, Mapping[str, str]] = {
     "drivers.mocap": {
         "qtm": "laticauda.tank.operate.drivers.mocap",
     },
+    "drivers.sensors": {
+        "udp-readings": "laticauda.tank.operate.drivers.readings",
+    },
     "drivers.stop": {
         "serial-line": "laticauda.tank.operate.drivers.stop",
     },

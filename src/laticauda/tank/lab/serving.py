@@ -1,4 +1,4 @@
-"""The tank on real wires and in real time: a CAN bus, a server for the cameras, a serial line for the meter."""
+"""The tank on real wires and in real time: a CAN bus, servers for cameras and sensors, a serial line for the meter."""
 
 import os
 import select
@@ -9,8 +9,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from laticauda.tank.lab.qtm_server import LOOPBACK, QtmServer, ServerFailed
+from laticauda.tank.lab.sensor_server import SensorServer
 from laticauda.tank.lab.tank import Tank
-from laticauda.tank.protocol import BusAddress, clock as clocks, open_bus, qtm, worker
+from laticauda.tank.protocol import BusAddress, clock as clocks, open_bus, qtm, readings, worker
 from laticauda.tank.protocol.can import python_can
 from laticauda.tank.protocol.meter import LineReader
 from laticauda.values import check_positive
@@ -71,6 +72,8 @@ class LabAddresses:
     """Port of the cameras' server [-]."""
     meter: str
     """Path of the meter's serial line [-]."""
+    sensors_port: int | None = None
+    """Port of the sensors' server, on the same host as the cameras'; None: the robot has no sensors [-]."""
 
 
 class Lab:
@@ -81,6 +84,7 @@ class Lab:
         bus: CAN bus on which its nodes are, or what stands for one, like python-can's.
         host: Host address at which the cameras' server listens; by default, only this computer.
         port: Port of that server; 0: any free one.
+        sensors_port: Port of the server of the robot's own sensors, if it has any; 0: any free one.
         speed: Seconds of the lab per second of real time.
     """
 
@@ -91,6 +95,7 @@ class Lab:
         bus: BusAddress | Any,
         host: str = LOOPBACK,
         port: int = qtm.PORT,
+        sensors_port: int = readings.PORT,
         speed: float = 1.0,
     ) -> None:
         self.tank, self.speed = tank, check_positive("speed", speed)
@@ -101,6 +106,9 @@ class Lab:
         self._bus_address, self._wires = bus, ExitStack()
         self.server: Any = QtmServer(tank.settings.mocap.rate, host, port)
         """Server of the cameras; before `open`, it may be replaced by one that starts, publishes and stops likewise."""
+        self._sensor_server: SensorServer | None = None
+        if tank.body.sensor_columns:
+            self._sensor_server = SensorServer(tank.body.sensor_columns, host, sensors_port)
         self._lock = threading.Lock()
         self._stopped = threading.Event()
         self._thread: threading.Thread | None = None
@@ -117,12 +125,23 @@ class Lab:
             self._bus = wires.enter_context(open_bus(bus) if isinstance(bus, BusAddress) else bus)
             wires.callback(self.server.stop)
             self.server.start()
+            sensors_port = None
+            if self._sensor_server is not None:
+                wires.callback(self._sensor_server.stop)
+                self._sensor_server.start()
+                sensors_port = self._sensor_server.port
             line = wires.enter_context(
                 SerialLine(lambda line: self.call(lambda tank: tank.answer(line)))
             )
             self._wires = wires.pop_all()
         host, port = self.server.host, self.server.port
-        return LabAddresses(bus=bus, mocap_host=host, mocap_port=port, meter=line.path)
+        return LabAddresses(
+            bus=bus,
+            mocap_host=host,
+            mocap_port=port,
+            meter=line.path,
+            sensors_port=sensors_port,
+        )
 
     def close(self) -> None:
         """Stop, and close all wires."""
@@ -207,7 +226,7 @@ class Lab:
             self._send()
 
     def _send(self) -> None:
-        """Send the frames of the nodes and of the cameras."""
+        """Send the frames of the nodes and of the cameras, and the readings of the sensors."""
         can = python_can()
         with suppress(can.CanError):  # a full buffer loses frames, as a busy bus does
             for identifier, data in self.tank.sent():
@@ -216,3 +235,5 @@ class Lab:
                 )
         for frame in self.tank.captured():
             self.server.publish(frame)
+        if self._sensor_server is not None:
+            self._sensor_server.publish(self.tank.sensed())

@@ -14,6 +14,7 @@ import numpy as np
 from laticauda.scenarios import Start
 from laticauda.tank.lab import instruments, nodes, quiet
 from laticauda.tank.lab.faults import KINDS, Fault, Faults, fault_from_words
+from laticauda.tank.lab.sensor_server import MeasuredReading
 from laticauda.tank.lab.settings import LabSettings
 from laticauda.tank.lab.virtual_robot import Truth, VirtualRobot
 from laticauda.tank.protocol import N_NODES, CanMessage, MocapFrame, Sync, decode, encode, from_node
@@ -75,6 +76,7 @@ class Tank:
         self._senses = self._read()
         self._outbox: list[Wire] = []
         self._captured: list[MocapFrame] = []
+        self._sensed: list[MeasuredReading] = []
         self._late: list[tuple[float, Wire]] = []
 
     @property
@@ -115,6 +117,12 @@ class Tank:
         captured = self._captured
         self._captured = []
         return captured
+
+    def sensed(self) -> list[MeasuredReading]:
+        """Take out the readings of the robot's own sensors that arrived since the last call."""
+        sensed = self._sensed
+        self._sensed = []
+        return sensed
 
     def answer(self, line: str) -> bytes:
         """Return the meter's answer to `line`; nothing while it is silent.
@@ -248,6 +256,10 @@ class Tank:
             frame = self.cameras.look(self.truth.modules, self.time, hidden=hidden)
             if frame is not None and not self.faults.on("mocap_silent"):
                 self._captured.append(self._mistakes.instead(frame, self.faults, self.time))
+        for name, reading in self.body.read_sensors().items():
+            if reading.is_new:
+                values = tuple(map(float, reading.values))
+                self._sensed.append(MeasuredReading(name, reading.time, values))
 
     def _apply_faults(self) -> None:
         """Apply the present faults to the modules, to the whole robot, and to the water."""

@@ -12,6 +12,7 @@ from laticauda.motion import gaits
 from laticauda.motion.joints import Servo
 from laticauda.robot import ModulePoses, Robot, from_quaternion, module_poses, turn
 from laticauda.scenarios import ORIENTATION, Command, Experiment, Start
+from laticauda.sensing import Reading, senses_of
 from laticauda.trials import Trial
 from laticauda.values import BadArgument, SimulationFailed, name_of, series
 
@@ -77,6 +78,11 @@ class VirtualRobot:
         self._work = 0.0
         self._log: list[series.Log] = []
         self._joint_force: Float[np.ndarray, "n_joints 3"] | None = None
+        self._senses = senses_of(plant.settings, plant.environment)
+        self.sensor_columns: dict[str, tuple[str, ...]] = {
+            sensor.name: sensor.columns for sensor in plant.settings.sensors
+        }
+        """Names of the values of each of its own sensors, by name."""
         self._put(self.start, 0.0)
         # What computes it is compiled before a world must keep up with a clock.
         _ = self.joint_force
@@ -104,6 +110,13 @@ class VirtualRobot:
             force[self.robot.n_joints :] = loads.fin_force
             self._joint_force = force
         return self._joint_force
+
+    def read_sensors(self) -> dict[str, Reading]:
+        """Let the robot's own sensors measure if it is time to, and return their last readings by name."""
+        if self._senses is None:
+            return {}
+        observation = self.plant.observe_under(self._state, self._command)
+        return self._senses.read(observation)
 
     def _put(self, start: Start, time: float) -> None:
         values = self.plant.init(start, Command(gait=STILL)).values.copy()

@@ -9,7 +9,7 @@ from laticauda.control.estimation import PoseSample
 from laticauda.tank import protocol
 from laticauda.tank.operate.drivers import KINDS, Clock, Frame, StopInput
 from laticauda.tank.operate.procedure.state import Inputs
-from laticauda.tank.operate.recording.entries import PowerReading
+from laticauda.tank.operate.recording.entries import PowerReading, SensorSample
 from laticauda.tank.operate.settings import Connection
 
 
@@ -50,6 +50,14 @@ class MeterDevice(Protocol):
         ...
 
 
+class SensorDevice(Protocol):
+    """The robot's own sensors, as the loop needs them."""
+
+    def receive(self) -> tuple[tuple[float, SensorSample], ...]:
+        """Return what they sent since the last call, with the times of arrival."""
+        ...
+
+
 @dataclass(kw_only=True)
 class Devices:
     """Devices that the loop reads from and sends to."""
@@ -64,6 +72,8 @@ class Devices:
     """The power meter; None without one."""
     stop: StopInput | None = None
     """The emergency-stop input; None without one."""
+    sensors: SensorDevice | None = None
+    """The robot's own sensors; None: they are not read."""
 
     def receive(self, own_events: Mapping[str, str]) -> tuple[Inputs, tuple[Frame, ...]]:
         """Return everything received since the last call, and the raw frames of the bus.
@@ -85,6 +95,7 @@ class Devices:
             messages=tuple(messages),
             frames=self.mocap.receive(),
             readings=() if self.meter is None else self.meter.receive(),
+            sensed=() if self.sensors is None else self.sensors.receive(),
             events={event: reason for event, reason in reasons.items() if reason},
         )
         return inputs, frames

@@ -78,7 +78,7 @@ def header_of(operator: Operator, text: str = "") -> Header:
     """
     operation = operator.operation
     controller = None
-    if operation.following is not None:
+    if operation.following is not None or operation.steering is not None:
         controller = operation.controller()
     return Header(
         run=scenarios.Experiment(

@@ -94,6 +94,8 @@ class Connection:
     meter_address: str = option('its address; "" for none', default="")
     stop: str = option("driver of the emergency-stop input", default="serial-line")
     stop_address: str = option('its address; "" for none', default="")
+    sensors: str = option("driver of the robot's own sensors", default="udp-readings")
+    sensors_address: str = option('its address; "" for none', default="")
 
     def __post_init__(self) -> None:
         """Reject unknown drivers, and addresses that are invalid for their driver."""
@@ -376,6 +378,11 @@ class Operation:
     )
     gait: gaits.Gait = option("motion of the joints")
     following: control.Following | None = option("path following; None: open loop", default=None)
+    steering: interfaces.Controller[Any] | None = option(
+        "controller of any kind, as in a scenario file, with its gait instead of `gait` (not with `following`); None: "
+        "path following or open loop",
+        default=None,
+    )
     start: Placement | None = option("where the robot is put; None: anywhere", default=None)
     duration: float = quantity(
         "s", "after which the run ends, unless the tank ends first", gt=0.0, default=90.0
@@ -422,6 +429,10 @@ class Operation:
             )
         if self.parameters is not None and self.water is not None:
             raise BadArgument("parameters", "must not be given with `water`: both define the water")
+        if self.steering is not None:
+            if self.following is not None:
+                raise BadArgument("steering", "must not be given with `following`: one steers")
+            object.__setattr__(self, "gait", self.steering.gait)
         if self.supply_voltage is None and self.connection.meter_address:
             raise BadArgument(
                 "supply_voltage",
@@ -450,8 +461,7 @@ class Operation:
         if parameters is not None:
             robot = parameters.robot(robot, self.gait.kind)
         interfaces.check_waves(robot, self.gait)
-        if self.following is not None:
-            self.following.controller(self.gait).check(robot)
+        self.controller().check(robot)
         return robot
 
     def pool(self) -> Water:
@@ -487,6 +497,8 @@ class Operation:
 
     def controller(self) -> interfaces.Controller[Any]:
         """Return the controller: the same object as in simulation."""
+        if self.steering is not None:
+            return self.steering
         if self.following is None:
             return interfaces.OpenLoop(command=interfaces.Command(gait=self.gait))
         return self.following.controller(self.gait)

@@ -7,12 +7,14 @@ import math
 from collections.abc import Generator
 from contextlib import contextmanager
 
+import numpy as np
+
 from laticauda.control import estimation
 from laticauda.tank import lab, protocol
 from laticauda.tank.operate.devices import Devices
 from laticauda.tank.operate.drivers import Clock, Frame
 from laticauda.tank.operate.drivers.mocap import pose_sample
-from laticauda.tank.operate.recording.entries import PowerReading
+from laticauda.tank.operate.recording.entries import PowerReading, SensorSample
 from laticauda.tank.protocol.meter import DISPLAYED, LineReader, decode_displayed
 
 METER_INTERVAL = 0.2
@@ -118,6 +120,32 @@ class TankMeter(TankDriver):
         """Do nothing."""
 
 
+class TankSensors(TankDriver):
+    """The robot's own sensors."""
+
+    _has_announced = False
+
+    def receive(self) -> tuple[tuple[float, SensorSample], ...]:
+        """Return what the sensors measured since the last call, with the times of arrival."""
+        now = self._clock.now()
+        columns = self._tank.body.sensor_columns
+        samples: list[tuple[float, SensorSample]] = []
+        if not self._has_announced:
+            self._has_announced = True
+            for name, names in columns.items():
+                sample = SensorSample(time=now, sensor=name, columns=names, values=np.empty(0))
+                samples.append((now, sample))
+        for reading in self._tank.sensed():
+            sample = SensorSample(
+                time=reading.time,
+                sensor=reading.sensor,
+                columns=columns[reading.sensor],
+                values=np.array(reading.values),
+            )
+            samples.append((now, sample))
+        return tuple(samples)
+
+
 class TankDevices(Devices):
     """Devices of a tank without wires.
 
@@ -132,6 +160,11 @@ class TankDevices(Devices):
     ) -> None:
         wires = tank, clock or TankTime(tank)
         meter = TankMeter(*wires) if has_meter else None
+        sensors = TankSensors(*wires) if tank.body.sensor_columns else None
         super().__init__(
-            clock=wires[1], bus=TankBus(*wires), mocap=TankCameras(*wires), meter=meter
+            clock=wires[1],
+            bus=TankBus(*wires),
+            mocap=TankCameras(*wires),
+            meter=meter,
+            sensors=sensors,
         )

@@ -1,4 +1,4 @@
-"""Drivers of the devices: modules' bus, motion capture, power meter, emergency-stop input.
+"""Drivers of the devices: modules' bus, motion capture, power meter, emergency-stop input, the robot's own sensors.
 
 No exception ends their threads. `base` says what a driver is, how your own driver is found, and
 what it has to do.
@@ -10,6 +10,7 @@ from laticauda.tank.operate.drivers.base import (
     Frame,
     Meter,
     MotionCapture,
+    Sensors,
     StopInput,
     driver_named,
 )
@@ -25,6 +26,7 @@ __all__ = [
     "Frame",
     "Meter",
     "MotionCapture",
+    "Sensors",
     "StopInput",
     "driver_named",
 ]

@@ -1,6 +1,6 @@
 """Drivers: the contract between the loop of an operation and a device, for each kind of device.
 
-A driver is a subclass of `Bus`, `MotionCapture`, `Meter` or `StopInput`. It is known by its name
+A driver is a subclass of `Bus`, `MotionCapture`, `Meter`, `StopInput` or `Sensors`. It is known by its name
 (`called`, or the name of the class with hyphens) if it comes with the package, or if an installed
 package names it in an entry point of the group ``laticauda.drivers.KIND``; nothing else is imported
 for a name. Every driver obeys these rules:
@@ -26,7 +26,7 @@ from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 from laticauda.control.estimation import PoseSample
-from laticauda.tank.operate.recording.entries import PowerReading
+from laticauda.tank.operate.recording.entries import PowerReading, SensorSample
 from laticauda.tank.protocol import CanMessage
 from laticauda.tank.protocol.clock import Clock
 from laticauda.tank.protocol.worker import DeviceFailed, T, Worker
@@ -168,7 +168,23 @@ class StopInput(Driver[str], Extensible, group="drivers.stop"):
         return reasons
 
 
-KINDS: dict[str, Any] = {"bus": Bus, "mocap": MotionCapture, "meter": Meter, "stop": StopInput}
+class Sensors(Driver[tuple[float, SensorSample]], Extensible, group="drivers.sensors"):
+    """The robot's own sensors, for controllers that steer by them.
+
+    `receive` returns arrival times with samples. A sample's own time is on the robot's clock, whose
+    offset the operation finds. At the beginning, and if the robot starts anew, there is a sample
+    without values for every sensor, with the time of its arrival. A sample is never repeated, those
+    of one sensor come in the order of their measurement, and `n_lost` tells how many are missing.
+    """
+
+
+KINDS: dict[str, Any] = {
+    "bus": Bus,
+    "mocap": MotionCapture,
+    "meter": Meter,
+    "stop": StopInput,
+    "sensors": Sensors,
+}
 """Base classes, by the words in trial files and entry points."""
 
 

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from laticauda.tank.operate.drivers.base import Clock, DeviceFailed, Frame
-from laticauda.tank.operate.recording.entries import PowerReading
+from laticauda.tank.operate.recording.entries import PowerReading, SensorSample
 from laticauda.tank.operate.settings import Connection
 from laticauda.tank.protocol import (
     CanMessage,
@@ -104,7 +104,10 @@ def _describe_item(item: Any, now: float) -> Heard:
         return Heard("reading", item.time, item)
     if isinstance(item, str):
         return Heard("reason to stop", now, item)
-    arrival, pose = item
+    arrival, sample = item
+    if isinstance(sample, SensorSample):
+        return Heard(f"sensor {sample.sensor}", arrival, sample)
+    pose = sample
     return Heard("body not seen" if pose.is_lost else "body", arrival, pose)
 
 
@@ -136,7 +139,7 @@ def list_broken_rules(
         items, longest_call = listen(driver, clock, duration)
         values = [item.value for item in items]
         broken += _check_calls(driver, clock, items, longest_call)
-        is_periodic = kind in ("mocap", "meter")
+        is_periodic = kind in ("mocap", "meter", "sensors")
         if is_periodic and len(values) < math.floor(duration):
             broken.append(f"{len(values)} items came in {duration:g} s")
         else:
@@ -305,11 +308,31 @@ def _check_stop(reasons: Sequence[Any], duration: float) -> Iterator[str]:
         yield f"the contact must be closed for this test: {reasons[0]}"
 
 
+def _check_sensors(samples: Sequence[Any], duration: float) -> Iterator[str]:
+    """Check that every sensor is announced, and that the measurements of each come in order."""
+    announced = {sample.sensor for sample in samples if not sample.has_values}
+    latest: dict[str, float] = {}
+    for sample in samples:
+        if not sample.has_values:
+            continue
+        if sample.sensor not in announced:
+            yield f"`{sample.sensor}` must first be announced, by a sample without values"
+            return
+        if sample.values.size != len(sample.columns):
+            yield f"a sample of `{sample.sensor}` must have a value for each of its columns"
+            return
+        if sample.time <= latest.get(sample.sensor, -math.inf):
+            yield f"the times of `{sample.sensor}` must increase"
+            return
+        latest[sample.sensor] = sample.time
+
+
 Rule = Callable[[Sequence[Any], float], Iterator[str]]
 RULES: Mapping[str, Rule] = {
     "bus": _check_bus,
     "mocap": _check_mocap,
     "meter": _check_meter,
     "stop": _check_stop,
+    "sensors": _check_sensors,
 }
 """Functions that yield what is wrong with the values that came from a driver, by its kind."""

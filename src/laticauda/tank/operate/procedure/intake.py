@@ -14,6 +14,7 @@ from laticauda.control.estimation import (
 )
 from laticauda.robot import kinematics
 from laticauda.tank.operate.procedure.clocks import update_clock
+from laticauda.tank.operate.procedure.sensed import take_in_sensed
 from laticauda.tank.operate.procedure.state import Inputs, OperatorState
 from laticauda.tank.operate.recording.entries import Measurement, PowerReading
 from laticauda.tank.operate.safety.modules import Modules, update_modules
@@ -38,7 +39,7 @@ def take_in(
 
     Returns:
         The new state; and the samples that the estimator got, in that order, then the power meter's
-        readings.
+        readings and those of the robot's own sensors.
     """
     modules = update_modules(state.modules, inputs.messages)
     samples: list[Sample] = list(_sent_references(state))
@@ -49,8 +50,10 @@ def take_in(
     state = replace(state, modules=modules, error="")
     for reading in inputs.readings:
         state = _take_in_reading(state, reading)
+    sensed, sensor_samples = take_in_sensed(state.sensed, inputs.sensed)
+    state = replace(state, sensed=sensed)
     state = _update_estimate(estimator, state, now, samples)
-    return state, (*samples, *inputs.readings)
+    return state, (*samples, *inputs.readings, *sensor_samples)
 
 
 def _sent_references(state: OperatorState) -> tuple[ReferenceSample, ...]:

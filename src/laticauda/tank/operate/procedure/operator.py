@@ -294,7 +294,10 @@ class Operator:
             return replace(state, reference=source.straighten(reference, now, duration))
         try:
             if state.estimate is not None:
-                reference = source.decide(reference, now, state.estimate)
+                observation = state.estimate.with_readings(state.sensed.readings)
+                reference = source.decide(reference, now, observation)
+            if reference.n_decisions > state.reference.n_decisions:
+                state = replace(state, sensed=state.sensed.after_decision())
             return replace(state, reference=source.follow(reference, now))
         except Exception as error:  # the next tick stops the robot; until then it holds
             return replace(state, error=f"controller: {error}")

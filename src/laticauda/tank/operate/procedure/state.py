@@ -10,8 +10,9 @@ from laticauda.control.estimation import Estimate, PoseSample
 from laticauda.tank import protocol
 from laticauda.tank.operate.procedure.clocks import ClockState
 from laticauda.tank.operate.procedure.reference_source import ReferenceState
+from laticauda.tank.operate.procedure.sensed import SensedState
 from laticauda.tank.operate.procedure.stillness import Pose, TimedPose
-from laticauda.tank.operate.recording.entries import Entry, Event, PowerReading
+from laticauda.tank.operate.recording.entries import Entry, Event, PowerReading, SensorSample
 from laticauda.tank.operate.safety.limits import LimitState
 from laticauda.tank.operate.safety.modules import Modules
 from laticauda.tank.operate.safety.supervisor import PHASES, Phase, SupervisorState
@@ -49,6 +50,9 @@ class Inputs:
     cameras' clock, and they are in the tank frame."""
     readings: tuple[PowerReading, ...] = ()
     """Readings of the power meter, on our clock."""
+    sensed: tuple[tuple[float, SensorSample], ...] = ()
+    """Samples of the robot's own sensors, with their arrival times [s]; their own times are on the
+    robot's clock."""
     events: Mapping[str, str] = field(default_factory=dict[str, str])
     """Events from drivers, recorder and operator, by their names in the supervisor's table, each
     with a sentence."""
@@ -62,8 +66,8 @@ class Outputs:
     """Messages to the bus, in this order."""
     entries: tuple[Entry, ...] = ()
     """Entries to record: the samples that the estimator got, in that order, on our clock and in the
-    path frame, the power meter's readings, the estimate, the controller's decision if one was due,
-    and events."""
+    path frame, the power meter's readings, those of the robot's own sensors, the estimate, the
+    controller's decision if one was due, and events."""
 
     @property
     def events(self) -> tuple[Event, ...]:
@@ -116,6 +120,8 @@ class OperatorState:
     """Time at which the cameras last saw the robot [s]; None before."""
     reading: PowerReading | None = None
     """Last reading of the power meter."""
+    sensed: SensedState = field(default_factory=SensedState)
+    """What the robot's own sensors told."""
     idle: MeanCurrent = field(default_factory=MeanCurrent)
     """Current at rest, before the run."""
     drawn: MeanCurrent = field(default_factory=MeanCurrent)

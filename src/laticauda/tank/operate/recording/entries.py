@@ -4,6 +4,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal, TypeAlias
 
+import numpy as np
+from jaxtyping import Float
+
 from laticauda.control.estimation import Estimate, JointSample, Learned, PoseSample, ReferenceSample
 from laticauda.scenarios import interfaces
 from laticauda.tank.operate.recording.timing import Tick
@@ -25,6 +28,27 @@ class PowerReading:
     since: float | None = quantity(
         "s", "When the meter was reset; None if that is not known", default=None
     )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SensorSample:
+    """Reading of one of the robot's own sensors; without values, it says that there is this sensor."""
+
+    time: float
+    """When it was measured [s]."""
+    sensor: str
+    """Name of the sensor."""
+    columns: tuple[str, ...]
+    """Names of its values."""
+    values: Float[np.ndarray, " n_columns"]
+    """Its values, nan where there is none; empty: nothing has been measured yet."""
+    n_lost: float = 0.0
+    """Number of its readings that were lost on the way since the one before [-]."""
+
+    @property
+    def has_values(self) -> bool:
+        """Whether something was measured."""
+        return self.values.size > 0
 
 
 EventKind: TypeAlias = (
@@ -83,7 +107,7 @@ class Decision:
     """Signals of the controller, by name."""
 
 
-Measurement: TypeAlias = PoseSample | JointSample | ReferenceSample | PowerReading
+Measurement: TypeAlias = PoseSample | JointSample | ReferenceSample | PowerReading | SensorSample
 """What was received from the devices, and the references that were sent."""
 Entry: TypeAlias = Measurement | Estimate | Decision | Event | Tick | Learned
 """What is recorded of an operation, besides the raw frames of the bus."""

@@ -21,7 +21,7 @@ from laticauda.control.estimation import (
     Status,
 )
 from laticauda.scenarios import interfaces
-from laticauda.tank.operate.recording.entries import Decision, PowerReading
+from laticauda.tank.operate.recording.entries import Decision, PowerReading, SensorSample
 from laticauda.tank.operate.recording.timing import Tick
 from laticauda.trials.logs import ros2
 from laticauda.values import codec, hints_of
@@ -31,6 +31,7 @@ TOPICS: Mapping[str, type[Any]] = {
     "/sample/joints": JointSample,
     "/sample/references": ReferenceSample,
     "/sample/power": PowerReading,
+    "/sample/sensor": SensorSample,
     "/estimate": Estimate,
     "/command": Decision,
     "/loop/tick": Tick,
@@ -43,6 +44,7 @@ JSON_TYPES = (interfaces.Command, Mapping[str, float], tuple[str, ...])
 ROS_TYPES = {
     float: "float64",
     float | None: "float64",
+    str: "string",
     Status: "string",
     **dict.fromkeys(JSON_TYPES, "string"),
 }

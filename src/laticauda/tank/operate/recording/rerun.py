@@ -1,6 +1,7 @@
 """An operation's estimator, learner or controller, run once more on what was recorded."""
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -16,7 +17,9 @@ from laticauda.control.estimation import (
 )
 from laticauda.models.dynamics import Plant
 from laticauda.scenarios import interfaces
-from laticauda.tank.operate.recording.entries import Decision
+from laticauda.sensing import Reading
+from laticauda.tank.operate.procedure.sensed import SensedState
+from laticauda.tank.operate.recording.entries import Decision, SensorSample
 from laticauda.tank.operate.recording.log import OperationLog
 from laticauda.values import BadArgument, check_instance
 
@@ -139,16 +142,31 @@ def rerun_controller(
     recorded: list[Decision] = log.of_run(Decision)
     again: list[Decision] = []
     state = rerun.init()
-    for decision in recorded:
+    for decision, readings in zip(recorded, _readings_at(log, recorded), strict=True):
         time = decision.time
         if time not in estimate_at:
             raise BadArgument(
                 "estimates", f"must have one at every control instant, got none at {time} s"
             )
-        state, command = rerun.step(state, estimate_at[time])
+        observation = estimate_at[time].with_readings(readings)
+        state, command = rerun.step(state, observation)
         check_instance("command", command, interfaces.Command)
         again.append(Decision(time=time, command=command, signals={}))
     return Rerun(recorded=tuple(recorded), again=tuple(again))
+
+
+def _readings_at(log: OperationLog, decisions: Sequence[Decision]) -> list[Mapping[str, Reading]]:
+    """Return what the robot's own sensors had told at each of some decisions, in their order."""
+    first = decisions[0].time if decisions else math.inf
+    sensed = SensedState()
+    readings: list[Mapping[str, Reading]] = []
+    for entry in log.of(SensorSample, Decision):
+        if isinstance(entry, SensorSample):
+            sensed = sensed.with_sample(entry)
+        elif entry.time >= first and len(readings) < len(decisions):
+            readings.append(sensed.readings)
+            sensed = sensed.after_decision()
+    return readings
 
 
 def _recorded_estimator(

@@ -12,7 +12,7 @@ from jaxtyping import Float
 from laticauda.control.estimation import Estimate, JointSample, Learned, ReferenceSample
 from laticauda.robot import Robot
 from laticauda.scenarios import Observation
-from laticauda.tank.operate.recording.entries import Decision, Event, PowerReading
+from laticauda.tank.operate.recording.entries import Decision, Event, PowerReading, SensorSample
 from laticauda.tank.operate.recording.log import OperationLog
 from laticauda.trials import Trial, metrics
 from laticauda.trials.logs import interpolate_columns
@@ -112,7 +112,7 @@ def trial_of(log: OperationLog, estimates: list[Estimate] | None = None) -> Tria
             "work": _work(time, observed["joint_rate"], torque, fin),
             "electrical_work": electrical_work,
         },
-        signals={**_signals(log, time, run_estimates), **fin},
+        signals={**_signals(log, time, run_estimates), **_readings(log, time), **fin},
         scenario=replace(log.header.run, notes={**notes, **log.header.run.notes}),
         version=log.version,
         **created,
@@ -332,4 +332,29 @@ def _signals(
         for name in decisions[0].signals:
             values = np.array([decision.signals.get(name, 0.0) for decision in decisions])
             signals[name] = values[np.maximum(latest, 0)]
+    return signals
+
+
+def _readings(log: OperationLog, time: Column) -> dict[str, Column]:
+    """Return the values of the robot's own sensors, held from one measurement to the next.
+
+    Those that are missing at some time, such as echoes, are in the recording alone: a measured trial
+    has finite signals.
+    """
+    samples_of: dict[str, list[SensorSample]] = {}
+    for sample in log.of(SensorSample):
+        if sample.has_values:
+            samples_of.setdefault(sample.sensor, []).append(sample)
+    signals: dict[str, Column] = {}
+    for sensor, samples in samples_of.items():
+        columns = samples[-1].columns
+        fitting = [sample for sample in samples if sample.columns == columns]
+        fitting.sort(key=lambda sample: sample.time)
+        measured_at = [sample.time for sample in fitting]
+        values = np.stack([sample.values for sample in fitting])
+        latest = np.searchsorted(measured_at, time + TIME_ROUNDING, side="right") - 1
+        held = np.where(latest[:, np.newaxis] >= 0, values[np.maximum(latest, 0)], np.nan)
+        for column, name in enumerate(columns):
+            if np.isfinite(held[:, column]).all():
+                signals[f"{sensor}_{name}"] = held[:, column]
     return signals
