@@ -15,7 +15,7 @@ from laticauda.missions import load_mission
 from laticauda.scenarios import Planar
 from laticauda.sensing import AcousticPosition, Compass
 from laticauda.tank.lab import Lab, Tank, VirtualRobot
-from laticauda.tank.operate import Decision, read_operation, rerun_controller
+from laticauda.tank.operate import Decision, Event, read_operation, rerun_controller
 from laticauda.tank.operate.drivers import Clock
 from laticauda.tank.operate.recording.entries import SensorSample
 from laticauda.tank.operate.session import operate
@@ -140,24 +140,25 @@ def mission_tank() -> Tank:
 
 
 def on_mission(mission, **changes) -> Operation:
-    return operation(
-        robot="mamba-fin", parameters="mamba-identified", steering=mission, rate=20.0, **changes
-    )
+    return operation(robot="mamba-fin", parameters="mamba-identified", steering=mission, **changes)
 
 
 def test_a_mission_goes_through_its_phases_under_the_supervisor(mission, tmp_path: Path):
     tank = mission_tank()
     result = operate(on_mission(mission, duration=6.0), tmp_path, tank=tank)
-    assert result.accepted, result.reason
+    assert result.stopped is False
     assert not any(node.is_on for node in tank.nodes)
-    phases = result.trial.signals["mission_phase"]
+    log = read_operation(tmp_path / "sensed.mcap")
+    (end,) = [event for event in log.of(Event) if event.kind == "stop"]
+    assert end.message == "The run reached its end."
+    decisions = log.of_run(Decision)
+    phases = [decision.signals["mission_phase"] for decision in decisions]
     assert (phases[0], phases[-1]) == (0.0, 1.0)
-    changed_at = result.trial.time[np.argmax(phases)]
+    changed_at = decisions[phases.index(1.0)].time - log.span[0]
     assert 1.0 < changed_at < 5.0
-    # The wall is 4.2 m to the right; the sonar does not always see it, so a trial cannot hold that.
-    assert not any(name.startswith("sonar") for name in result.trial.signals)
-    samples = read_operation(tmp_path / "sensed.mcap").of(SensorSample)
-    echoes = [np.nanmin(s.values) for s in samples if s.sensor == "sonar" and s.has_values]
+    # The wall is 4.2 m to the right.
+    pings = [sample for sample in log.of(SensorSample) if sample.sensor == "sonar"]
+    echoes = [np.nanmin(ping.values) for ping in pings if ping.has_values]
     assert np.median(echoes) == pytest.approx(4.2, abs=0.3)
 
 
@@ -169,7 +170,7 @@ def test_over_wires_a_mission_is_told_the_same(mission, tmp_path: Path):
             mocap_address=f"{addresses.mocap_host}:{addresses.mocap_port}",
             sensors_address=f"127.0.0.1:{addresses.sensors_port}",
         )
-        what = on_mission(mission, duration=2.0, connection=connection)
+        what = on_mission(mission, duration=2.0, rate=20.0, connection=connection)
         operate(what, tmp_path, clock=Clock(speed=0.5))
         # Also if this computer was too busy for it: then the supervisor has ended the run.
         assert not any(node.is_on for node in lab.tank.nodes)
