@@ -23,6 +23,7 @@ def test_all_drivers_are_listed(capsys):
         "mocap": "qtm",
         "meter": "fluke",
         "stop": "serial-line",
+        "sensors": "udp-readings",
     }
 
 
