@@ -34,6 +34,7 @@ EEL = lc.eel_like(
     phase_shift=math.radians(35),
     offset=0.05,
 )
+LEADS = (0.3, -0.2, 0.1, 0.0, 0.0, 0.2, -0.1, 0.4)
 GUSTS = replace(lc.load_current("turbulence"), modes=6)
 # What Python's fused multiply-adds and the FMU's lack of them make of rounding in some seconds.
 ROUNDING = 1e-9
@@ -73,6 +74,7 @@ KINDS: dict[str, dict[str, Any]] = {
     "references": {"joints": "servo", "inputs": "references"},
     "fin reference": {"robot": driven_fin()[0], "joints": "pd", "inputs": "references"},
     "driven fin": dict(zip(("robot", "gait"), driven_fin(), strict=True)),
+    "leading joints": {"robot": "mamba", "gait": replace(EEL, phases=LEADS)},
     "bent fin": {"robot": bent_fin()},
     "tracking": {"robot": lazy(), "gait": EEL},
     "kirchhoff": {

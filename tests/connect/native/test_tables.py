@@ -31,6 +31,16 @@ def tables(water: Water, robot: str = "mamba-fin", **settings: str) -> Tables:
     )
 
 
+def test_leads_of_joints_are_parameters_of_a_gait_that_has_some():
+    plant = build_plant(lc.load_robot("mamba"), lc.load_water("paper-lateral"))
+    leads = tuple(0.1 * i for i in range(8))
+    for gait, expected in ((GAIT, {}), (replace(GAIT, phases=leads), dict(enumerate(leads)))):
+        told = build_tables(plant, gait, Start(), inputs="gait")
+        starts = {variable.name: variable.start for variable in told.variables}
+        found = {name: start for name, start in starts.items() if name.startswith("gait.phase[")}
+        assert found == {f"gait.phase[{i}]": lead for i, lead in expected.items()}
+
+
 def rows_in(told: Tables, water: Water) -> np.ndarray:
     """The rows that the compiled function begins with, for another water."""
     whole, real = told.whole, told.real

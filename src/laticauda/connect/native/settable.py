@@ -365,6 +365,7 @@ def list_gait_variables(plant: PlanarPlant, gait: lc.Gait) -> Iterator[Variable]
         rows=one_row(rows.RAMP),
     )
     yield from _list_envelope(plant, gait)
+    yield from _list_phases(plant, gait)
     yield from _list_wave_inputs("gait", gait, GAIT_NUMBERS)
     if 0 in plant.robot.fin_joints:
         yield from _list_wave_inputs("fin", gait.fin, FIN_WAVE_NUMBERS)
@@ -383,6 +384,22 @@ def _list_envelope(plant: PlanarPlant, gait: lc.Gait) -> Iterator[Variable]:
             description=f"Share of the amplitude that joint {joint.number} has.",
             start=value,
             rows=(RowShare(row=row, factor=float(template[row])),),
+        )
+
+
+def _list_phases(plant: PlanarPlant, gait: lc.Gait) -> Iterator[Variable]:
+    """Yield the lead of every joint over the wave, if the gait has any."""
+    if gait.phases is None:
+        return
+    leads = gait.joint_phases(plant.robot.n_links)
+    for joint, lead in zip(list_body_joints(plant), leads, strict=True):
+        yield Variable(
+            name=f"gait.phase[{joint.number}]",
+            causality="parameter",
+            unit="rad",
+            description=f"Lead of joint {joint.number} over the wave.",
+            start=lead,
+            rows=one_row(joint.first_row + rows.LEAD),
         )
 
 
