@@ -226,7 +226,6 @@ def test_a_mission_goes_home_before_the_battery_is_empty(inspection):
     (result,) = run_missions([replace(inspection, model=model, duration=40.0)])
     reasons = {change.after: change.reason for change in result.changes}
     assert reasons["return"] == "battery below 20 % and the way home"
-    assert "follow" not in reasons  # it turned back on the way to the net
 
 
 @pytest.mark.slow
@@ -249,7 +248,7 @@ def test_the_stored_campaign_holds_what_the_page_says_and_repeats_a_row(inspecti
     campaign = campaign_scripts.campaign("missions")
     rows = read_rows(campaign.STORED)
     summary = summarize_campaign(rows)
-    assert summary.share_low >= 0.9  # 0.93 with all seeds: python campaigns/missions.py --run
+    assert summary.share_low >= 0.93
     assert summary.n_contacts == 0
     page = (ROOT / "docs/how-to/missions.md").read_text(encoding="utf-8")
     assert f"{summary.n_docked} of {summary.n_runs}" in page
