@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from laticauda.models.dynamics import stages
+from laticauda.models.dynamics import semi_implicit, stages
 from laticauda.models.dynamics.shared_laws import SHARED_LAWS
 from laticauda.models.planar import number_types, rows, sample_format
 from laticauda.motion.joints import laws as joint_laws
@@ -132,7 +132,12 @@ def python_kernels(law=None):
         "stages": stages,
         "sample_format": sample_format,
         "number_types": number_types,
-        **{name: value for name, value in vars(stages).items() if name.isupper()},
+        "semi_implicit": semi_implicit,
+        "OWN_DRIVEN": joint_laws.OWN_DRIVEN,
+        "PD_DRIVEN": joint_laws.PD_DRIVEN,
+        "FARTHEST": stages.FARTHEST,
+        "STRONGEST": stages.STRONGEST,
+        **{name: value for name, value in vars(semi_implicit).items() if name.isupper()},
         "lane_types": SimpleNamespace(rows_of=lambda width: same),
     }
     names = {
@@ -141,9 +146,9 @@ def python_kernels(law=None):
         "flow_parts": (),
         "drag_law": (law or laws.PolynomialDrag()).formula,
     }
-    for template in ("loads", "recursion", "drives", "prescribed", "stepping"):
+    for template in ("loads", "recursion", "drives", "prescribed", "driven", "stepping"):
         source = (PLANAR / f"{template}.py").read_text(encoding="utf-8")
-        source = re.sub(r"^(from|import) .*$", "", source, flags=re.MULTILINE)
+        source = re.sub(r"^(from|import) [^\n(]*(\([^)]*\))?.*$", "", source, flags=re.MULTILINE)
         inside = {**namespace, "bindings": lambda name: names, "__name__": template}
         exec(compile(source, template, "exec"), inside)
         names[template] = SimpleNamespace(**inside)

@@ -31,7 +31,7 @@ LEFT_OUT = {
     "laticauda.cli.mission",
     *(
         f"laticauda.models.planar.{name}"
-        for name in ("adjoint", "drives", "loads", "prescribed", "recursion", "stepping")
+        for name in ("adjoint", "driven", "drives", "loads", "prescribed", "recursion", "stepping")
     ),
     *(f"laticauda.models.spatial.{name}" for name in ("drives", "stepping")),
     "laticauda.models.simulate.harvest",

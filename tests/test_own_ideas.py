@@ -122,13 +122,14 @@ def test_they_swim_and_their_numbers_count(ideas, gait, water):
     assert all(abs(speed / usual.forward_velocity - 1.0) > 1e-3 for speed in speeds)
 
 
-def test_a_batch_of_other_numbers_is_bit_for_bit_that_of_single_runs(ideas, gait, water):
+def test_a_batch_of_other_numbers_is_that_of_single_runs_to_rounding(ideas, gait, water):
     laws = [ideas.WashedDrag(wash=0.1 * i, floor=0.3) for i in range(5)]
     waters = [replace(water, drag=law) for law in laws]
     how = {"joints": ideas.Spring(stiffness=25.0)}
     swims = lc.swim_many(ROBOT, gait, 2.0, environments=waters, **how)
     singles = [lc.swim(ROBOT, gait, 2.0, environment=one, **how) for one in waters]
-    np.testing.assert_array_equal(swims.forward_velocity, [one.forward_velocity for one in singles])
+    speeds = [single.forward_velocity for single in singles]
+    np.testing.assert_allclose(swims.forward_velocity, speeds, rtol=1e-14)
 
 
 def test_the_model_in_space_agrees_with_that_in_the_plane(ideas, gait, water):

@@ -415,7 +415,7 @@ def test_a_robot_that_flies_apart_says_so_until_it_is_reset(ask):
         (
             "reset",
             {"joints": "servos"},
-            "`joints` must be one of `prescribed`, `pd`, `servo`, `speed-servo`, got 'servos'",
+            "`joints` must be one of `prescribed`, `pd`, `servo`, `ekeberg`, `hill`, `speed-servo`, got 'servos'",
         ),
     ],
 )

@@ -149,7 +149,7 @@ def test_numbers_of_a_gait_s_law_are_put_over_the_usual_one_and_another_law_take
         ),
         (
             HEAD + 'joints = "loose"\n' + WATER,
-            "key `joints`: must be one of `prescribed`, `pd`, `servo`, `speed-servo`, got 'loose'",
+            "key `joints`: must be one of `prescribed`, `pd`, `servo`, `ekeberg`, `hill`, `speed-servo`, got 'loose'",
         ),
         (
             HEAD + WATER + "[actuator]\ntracking = 2\n",

@@ -55,7 +55,7 @@ def test_a_scenario_swims_as_its_robot_and_gait_do():
         ({"model": "flat"}, "`model` must be one of `planar`, `spatial`, got 'flat'"),
         (
             {"joints": "servos"},
-            "`joints` must be one of `prescribed`, `pd`, `servo`, `speed-servo`, got 'servos'",
+            "`joints` must be one of `prescribed`, `pd`, `servo`, `ekeberg`, `hill`, `speed-servo`, got 'servos'",
         ),
         ({"dt": 0.0}, "`dt` must be between 1e-07 and 1000 s, got 0.0."),
         ({"duration": -1.0}, "`duration` must be > 0 s, got -1.0."),

@@ -34,7 +34,7 @@ def test_a_setup_out_of_its_range_is_refused():
         small().regions(0)
     with pytest.raises(
         ValueError,
-        match="`joints` must be one of `prescribed`, `pd`, `servo`, `speed-servo`, got 'pdd'",
+        match="`joints` must be one of `prescribed`, `pd`, `servo`, `ekeberg`, `hill`, `speed-servo`, got 'pdd'",
     ):
         small(joints="pdd")
     with pytest.raises(

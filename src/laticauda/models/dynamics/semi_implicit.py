@@ -35,8 +35,8 @@ IMPLICIT_WEIGHTS = (
 WEIGHTS = (*IMPLICIT_WEIGHTS[-1], GAMMA)
 """b, weights of the slopes in the state at the end of the step."""
 N_STAGES = len(WEIGHTS)
-NODES = tuple(sum(weights) + GAMMA for weights in IMPLICIT_WEIGHTS)
-"""d, shares of the step after which the implicit states lie."""
+NODES = (*(sum(weights) + GAMMA for weights in IMPLICIT_WEIGHTS[:-1]), 1.0)
+"""d, shares of the step after which the implicit states lie; the last sum is 1 but for rounding, and clocks count it."""
 N_HALVINGS = 8
 """The first part of the first step of a run is so often the half of it."""
 PARTS_PER_HALVING = 4
