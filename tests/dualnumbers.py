@@ -24,6 +24,11 @@ class Dual:
     real: float
     slope: float = 0.0
 
+    @property
+    def imag(self):
+        """The slope, as a complex step shows whether there is any."""
+        return self.slope
+
     def __add__(self, other):
         other = dual(other)
         return Dual(self.real + other.real, self.slope + other.slope)

@@ -36,7 +36,9 @@ WEIGHTS = (*IMPLICIT_WEIGHTS[-1], GAMMA)
 """b, weights of the slopes in the state at the end of the step."""
 N_STAGES = len(WEIGHTS)
 NODES = (*(sum(weights) + GAMMA for weights in IMPLICIT_WEIGHTS[:-1]), 1.0)
-"""d, shares of the step after which the implicit states lie; the last sum is 1 but for rounding, and clocks count it."""
+"""d, shares of the step after which the implicit states lie.
+
+The last sum is 1 but for rounding, which clocks would count."""
 N_HALVINGS = 8
 """The first part of the first step of a run is so often the half of it."""
 PARTS_PER_HALVING = 4
