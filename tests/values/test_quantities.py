@@ -81,6 +81,8 @@ ENDLESS = {
     ("OpenLoop", "interval"): "asked once",
     ("Fault", "duration"): "to the end",
     ("SensorFault", "end"): "a fault may last",
+    ("FollowWall", "length"): "a wall may be followed for ever",
+    ("Phase", "time_limit"): "a phase may last",
     ("Waves", "depth"): "deep water",
     ("Sea", "depth"): "deep water",
     ("Limits", "max_voltage"): "whatever the supply gives",
