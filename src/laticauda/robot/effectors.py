@@ -272,6 +272,12 @@ class Thruster(Mounted):
     max_thrust: float | None = quantity(
         "N", "Limit of commanded thrust in either direction", ge=0.0, default=None
     )
+    rise_time: float = quantity(
+        "s", "Time in which commanded thrust goes from 10 % to 90 % of a step", ge=0.0, default=0.0
+    )
+    dead_band: float = quantity(
+        "N", "Smaller commanded thrust in either direction is none", ge=0.0, default=0.0
+    )
 
 
 @value_class
@@ -298,6 +304,15 @@ class PectoralFin(Mounted):
     )
     max_deflection: float | None = quantity(
         "rad", "Limit of commanded deflection to either side", ge=0.0, default=None
+    )
+    rise_time: float = quantity(
+        "s",
+        "Time in which a commanded deflection goes from 10 % to 90 % of a step",
+        ge=0.0,
+        default=0.0,
+    )
+    dead_band: float = quantity(
+        "rad", "Distance from what is commanded within which it stands still", ge=0.0, default=0.0
     )
 
 

@@ -40,12 +40,40 @@ class EffectorKind(NamedTuple):
     quantity: str
     """Field of an effector that is set; `max_` and this name is the field of its limit."""
     unit: str
+    has_servo: bool
+    """Whether a dead band is one of motion, about what is commanded, not one about 0."""
+
+    def limit_of(self, effector: Any) -> float | None:
+        """Return the limit of an effector of the kind; None if it is not driven.
+
+        Args:
+            effector: The effector.
+        """
+        return getattr(effector, f"max_{self.quantity}")
+
+    def drives(self, effector: Any) -> bool:
+        """Return whether a command drives an effector of the kind.
+
+        Args:
+            effector: The effector.
+        """
+        return self.limit_of(effector) is not None
 
 
 EFFECTORS = (
-    EffectorKind(command_field="thrusts", robot_field="thrusters", quantity="thrust", unit="N"),
     EffectorKind(
-        command_field="deflections", robot_field="pectoral_fins", quantity="deflection", unit="rad"
+        command_field="thrusts",
+        robot_field="thrusters",
+        quantity="thrust",
+        unit="N",
+        has_servo=False,
+    ),
+    EffectorKind(
+        command_field="deflections",
+        robot_field="pectoral_fins",
+        quantity="deflection",
+        unit="rad",
+        has_servo=True,
     ),
 )
 """Kinds of effectors that a command may set."""
@@ -87,6 +115,8 @@ class Command:
 
     def effectors(self, robot: Robot) -> Robot:
         """Return the robot with its thrusters and pectoral fins set as commanded, each within its limit.
+
+        Thrust within the dead band of a thruster is none. How long effectors take is the plant's matter.
 
         Args:
             robot: The robot with its effectors as built.
@@ -138,11 +168,11 @@ class Command:
 def _set_effectors(kind: EffectorKind, effectors: Sequence[Any], values: Sequence[float]) -> Any:
     """Return effectors of which those with a limit have the commanded values, each within its limit."""
     limit_field = f"max_{kind.quantity}"
-    limits = {
-        i: getattr(effector, limit_field)
-        for i, effector in enumerate(effectors)
-        if getattr(effector, limit_field) is not None
-    }
+    limits: dict[int, float] = {}
+    for i, effector in enumerate(effectors):
+        limit = kind.limit_of(effector)
+        if limit is not None:
+            limits[i] = limit
     if len(values) != len(limits):
         rule = f"must have one entry per effector with a `{limit_field}`, {len(limits)} in all"
         raise BadArgument(kind.command_field, f"{rule}, got {len(values)}")
@@ -150,6 +180,8 @@ def _set_effectors(kind: EffectorKind, effectors: Sequence[Any], values: Sequenc
     for (i, limit), value in zip(limits.items(), values, strict=True):
         finite_value = check_finite(f"{kind.command_field}[{i}]", value, kind.unit)
         limited_value = min(max(finite_value, -limit), limit)
+        if not kind.has_servo and abs(limited_value) < effectors[i].dead_band:
+            limited_value = 0.0
         commanded[i] = replace(effectors[i], **{kind.quantity: limited_value})
     return commanded
 

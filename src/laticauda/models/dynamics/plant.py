@@ -9,7 +9,9 @@ from typing import ClassVar, Generic, TypeVar, cast
 
 import numpy as np
 
+from laticauda.models.dynamics.effector_dynamics import EffectorDynamics
 from laticauda.models.dynamics.joint_table import DRIVE, ENVELOPE, MOTOR, STALL_POWER, has_hinges
+from laticauda.models.dynamics.pieces import advance_in_pieces
 from laticauda.models.dynamics.sampled_loads import (
     FORCES,
     SampledLoads,
@@ -18,6 +20,7 @@ from laticauda.models.dynamics.sampled_loads import (
 )
 from laticauda.models.dynamics.samples import (
     Advance,
+    Grid,
     March,
     PlantState,
     Samples,
@@ -30,7 +33,6 @@ from laticauda.motion.gaits import WaveState, WaveTarget, first_state
 from laticauda.motion.joints import JointLaw
 from laticauda.robot import Environment, Robot, check_fits, has_power_model
 from laticauda.scenarios import (
-    EFFECTORS,
     Command,
     Model,
     Observation,
@@ -58,6 +60,8 @@ CREST = WaveState(
     offset_rate=0.0,
 )
 """A wave of amplitude 1 at its crest, so that the joints' references equal their envelope."""
+EFFECTORS_NOW = "effectors"
+"""Name of what effectors do at the end of a run, in a stored state."""
 STILL = WaveTarget(1.0, 0.0, 0.0, 0.0, 0.0)
 """Target of a wave of amplitude 1 that stands still."""
 
@@ -143,6 +147,8 @@ class Plant(ABC, Generic[ModelType]):
 
     def observe_under(self, state: PlantState, command: Command) -> Observation:
         """Return the observation of `state`, with `loads` under `command`."""
+        if state.effectors is not None:
+            command = self.effector_dynamics.in_effect(command, np.array(state.effectors))
         return self.observe(state).with_loads(partial(self.evaluate_loads, state, command))
 
     @abstractmethod
@@ -215,9 +221,26 @@ class Plant(ABC, Generic[ModelType]):
         n_intervals = max(1, round(duration / sample_interval))
         every = self.steps_in(duration / n_intervals)
         dt = duration / n_intervals / every
+        grid = Grid(n_intervals=n_intervals, n_steps=every, dt=dt)
+        if self.effector_dynamics.has_memory:
+            return advance_in_pieces(self, state, command, grid, link_forces=link_forces)
+        return self.advance_on_grid(state, command, grid, link_forces=link_forces)
+
+    def advance_on_grid(
+        self, state: PlantState, command: Command, grid: Grid, *, link_forces: bool
+    ) -> Advance:
+        """Run many steps with effectors that do what a command says at once.
+
+        Args:
+            state: Initial state.
+            command: Command, held throughout.
+            grid: Its steps.
+            link_forces: Whether to keep the force on every link, and what every joint carries, too.
+        """
+        n_intervals, every, dt = grid
         end, samples = self._run(state, command, n_intervals, every, dt)
         if len(samples) <= n_intervals:
-            time = state.values[0] + len(samples) * duration / n_intervals
+            time = state.values[0] + len(samples) * every * dt
             if len(samples) == 0:
                 # The first evaluation is already out of range; the state itself is kept.
                 samples = self._sample_of(state, command)
@@ -234,6 +257,11 @@ class Plant(ABC, Generic[ModelType]):
             stretch=Stretch(samples, command, loads),
             failure=None,
         )
+
+    @cached_property
+    def effector_dynamics(self) -> EffectorDynamics:
+        """How the driven effectors follow their commands."""
+        return EffectorDynamics(self.robot)
 
     def _state_after(self, state: PlantState, command: Command, end: np.ndarray) -> PlantState:
         """Return the state after a march; waves that references replaced continue from where they were.
@@ -261,7 +289,10 @@ class Plant(ABC, Generic[ModelType]):
 
     def pack(self, state: PlantState) -> dict[str, np.ndarray]:
         """Return `state` as arrays that can be stored."""
-        return {self.name: state.values}
+        stored = {self.name: state.values}
+        if state.effectors is not None:
+            stored[EFFECTORS_NOW] = np.array(state.effectors)
+        return stored
 
     def unpack(self, stored: Mapping[str, np.ndarray]) -> PlantState:
         """Return the state from the arrays `stored` that `pack` returned.
@@ -274,7 +305,20 @@ class Plant(ABC, Generic[ModelType]):
             plant = self._description
             rule = f"must be that of {plant} ({self._size} numbers), got {values.size} numbers"
             raise BadArgument("state", rule)
-        return PlantState(values=values)
+        return PlantState(values=values, effectors=self._unpack_effectors(stored))
+
+    def _unpack_effectors(self, stored: Mapping[str, np.ndarray]) -> tuple[float, ...] | None:
+        """Return what the effectors did at the end of a stored run, if they have a memory."""
+        dynamics = self.effector_dynamics
+        if EFFECTORS_NOW not in stored or not dynamics.has_memory:
+            return None
+        values = np.asarray(stored[EFFECTORS_NOW], dtype=float)
+        if values.size != dynamics.n:
+            rule = (
+                f"must have one number per driven effector, {dynamics.n} in all, got {values.size}"
+            )
+            raise BadArgument("state", rule)
+        return tuple(values.tolist())
 
     @property
     @abstractmethod
@@ -347,19 +391,18 @@ class Plant(ABC, Generic[ModelType]):
 
     def _effector_signals(self, stretches: Sequence[Stretch]) -> dict[str, np.ndarray]:
         """Return what the effectors that a command drives did, at every sample of a log."""
-        counts = count_samples(stretches)
-        signals: dict[str, np.ndarray] = {}
-        for _, group, quantity, _ in EFFECTORS:
-            for i, effector in enumerate(getattr(self.robot, group)):
-                if getattr(effector, f"max_{quantity}") is None:
-                    continue
-                values: list[float] = []
-                for stretch in stretches:
-                    robot = stretch.command.effectors(self.robot)
-                    commanded_effector = getattr(robot, group)[i]
-                    values.append(getattr(commanded_effector, quantity))
-                signals[f"{quantity}_{i}"] = np.repeat(np.array(values, dtype=float), counts)
-        return signals
+        names = self.effector_dynamics.names
+        if not names:
+            return {}
+        columns: list[np.ndarray] = []
+        for stretch, count in zip(stretches, count_samples(stretches), strict=True):
+            values = stretch.effectors
+            if values is None:
+                values = self.effector_dynamics.targets_of(stretch.command)[np.newaxis]
+                values = np.repeat(values, count, axis=0)
+            columns.append(values[len(values) - count :])
+        table = np.concatenate(columns)
+        return {name: table[:, column] for column, name in enumerate(names)}
 
     def _references_of_gait(self, reference: np.ndarray, offset: np.ndarray) -> np.ndarray:
         """Return the gait's reference; the kernels' reference is the share that prescribed joints do (`tracking`)."""

@@ -20,6 +20,8 @@ class PlantState:
     """Everything that a run needs to continue, as one vector; its model's `rows` define the layout."""
 
     values: Float[np.ndarray, " n"]
+    effectors: tuple[float, ...] | None = None
+    """What effectors with a rise time or a servo do now, see `effector_dynamics`; None: their first command."""
 
 
 class Samples(NamedTuple):
@@ -52,13 +54,18 @@ class Stretch(NamedTuple):
     """Command, held throughout."""
     loads: SampledLoads | None = None
     """Loads at the samples, if requested."""
+    effectors: np.ndarray | None = None
+    """What the driven effectors did at the samples, one row each; None: what the command says."""
 
     def at(self, index: slice) -> "Stretch":
         """Return the stretch with a slice of its samples."""
         loads = None
         if self.loads is not None:
             loads = self.loads.at(index)
-        return Stretch(samples=self.samples[index], command=self.command, loads=loads)
+        effectors = None
+        if self.effectors is not None:
+            effectors = self.effectors[index]
+        return Stretch(self.samples[index], self.command, loads, effectors)
 
 
 class Advance(NamedTuple):
@@ -70,6 +77,17 @@ class Advance(NamedTuple):
     """Samples, up to the failure if the run diverged."""
     failure: str | None
     """What went wrong, in a sentence; None if nothing did."""
+
+
+class Grid(NamedTuple):
+    """The steps of a march."""
+
+    n_intervals: int
+    """Number of intervals between samples."""
+    n_steps: int
+    """Time steps in each."""
+    dt: float
+    """Time step [s]."""
 
 
 class March(NamedTuple):

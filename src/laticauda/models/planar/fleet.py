@@ -267,6 +267,11 @@ class Fleet:
                 return
         if command.references is not None or gait.recorded != self._gaits[i].recorded:
             raise NeedsRunOfItsOwn
+        sets_effectors = command.thrusts is not None or command.deflections is not None
+        has_memory = self.runs[i].plant.effector_dynamics.has_memory
+        # A log of a lane knows the effectors of the first command only.
+        if sets_effectors and (has_memory or self._logs_joints):
+            raise NeedsRunOfItsOwn
         new_rows = self.runs[i].plant.rows(self.state_of(i), command)
         self._lanes[block, :, lane] = new_rows
         self._gaits[i] = gait

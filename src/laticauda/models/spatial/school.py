@@ -18,6 +18,7 @@ from laticauda.models.spatial.twin import Twin
 from laticauda.motion.gaits import WaveState
 from laticauda.robot import has_power_model
 from laticauda.scenarios import Command, Observation, Start
+from laticauda.values import BadArgument
 
 WAVE = [
     rows.PHASE + WaveState._fields.index(name)
@@ -126,6 +127,10 @@ class Together:
     """
 
     def __init__(self, plants: Sequence[SpatialPlant]) -> None:
+        for i, plant in enumerate(plants):
+            if plant.effector_dynamics.has_memory:
+                rule = "must have no driven effector with a rise time, or a fin with a dead band,"
+                raise BadArgument(f"scenarios[{i}].robot", f"{rule} in one scene with others")
         self.plants = plants
         first = plants[0]
         neighbors = [(plant.robot, plant.settings) for plant in plants[1:]]
