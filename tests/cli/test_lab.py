@@ -161,3 +161,17 @@ def test_the_robot_in_the_tank_has_the_numbers_of_the_parameters():
     assert tank.body.robot == parameters.robot(load_robot("mamba-fin"), "lateral_undulation")
     assert tank.body.plant.environment == parameters.every_gait
     assert tank.body.plant.settings.joints == parameters.joints
+
+
+def test_a_mission_says_itself_what_swims(capsys):
+    assert main(["lab", "--mission", "tank-inspection", "--robot", "mamba"]) == 2
+    message = "--robot must not be given with --mission, which says it itself"
+    assert message in " ".join(capsys.readouterr().err.split())
+
+
+def test_the_robot_of_a_mission_has_its_sensors_with_seeds_of_their_own():
+    command = Lab.read(["--mission", "tank-inspection", "--seed", "3"], "laticauda lab")
+    tank = command._tank()
+    assert set(tank.body.sensor_columns) >= {"sonar", "compass", "beacon"}
+    assert {sensor.seed for sensor in tank.body.plant.settings.sensors} == {3}
+    assert tank.body.start.center_of_mass == (1.0, 1.0)

@@ -277,3 +277,18 @@ def test_a_recording_without_a_clock_has_no_timing_to_draw(
     assert (
         "--plot-timing must go with a recording whose loop had a clock" in capsys.readouterr().err
     )
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ([], "--sensors must be given with --mission, which steers by what they tell"),
+        (
+            ["--sensors", "127.0.0.1:22224"],
+            "--mission must be one of the robot in the trial file, with the same parameters, got one of `mamba-fin`",
+        ),
+    ],
+)
+def test_a_mission_needs_sensors_and_its_own_robot(trial, words, message, capsys):
+    assert main(["operate", trial, "--mission", "tank-inspection", *words]) == 2
+    assert message in " ".join(capsys.readouterr().err.split())
