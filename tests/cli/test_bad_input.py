@@ -37,7 +37,8 @@ BAD = {
     "swim --dt -0.1": "--dt must be between 1e-07 and 1000 s, got -0.1",
     "swim --ramp -1": "--ramp must be >= 0 s, got -1",
     "swim --offset-bandwidth 0": "--offset-bandwidth must be > 0 1/s, got 0",
-    "swim --joints servos": "`ekeberg`, `hill`, `speed-servo`, got 'servos'; did you",
+    "swim --joints servos": "--joints must be one of `prescribed`, `pd`, `servo`, "
+    "`ekeberg`, `hill`, `speed-servo`, got 'servos'; did you",
     "swim --model mujoco": "--model",
     # the robot
     "swim --n-links 0": "--n-links must be a whole number >= 1, got 0.",

@@ -78,7 +78,7 @@ gait lateral-undulation: amplitude 30 deg, frequency 130 deg/s, phase shift 40 d
 
 speed   0.221 m/s (tank 0.223)
 power   101 W electrical (tank 103)
-joints  can do it: 82 % of angle, speed and torque are used
+joints  can do it: 81 % of angle, speed and torque are used
 
 Two numbers are fitted to the 20 speeds of the paper's Table 1; a gait and fin left out is predicted to 5.4 %.
 The servo's gear of 7:1 is assumed: 3:1 to 9:1 fit as well.
