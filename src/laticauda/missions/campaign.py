@@ -314,7 +314,9 @@ class CampaignSummary:
     """What a campaign shows."""
 
     n_runs: int
+    """Runs of the campaign."""
     n_docked: int
+    """Runs that ended in the dock."""
     share_low: float
     """Lower end of the 95 % interval of Wilson for the share that docked."""
     share_high: float

@@ -38,7 +38,7 @@ class SensorSilent(Condition):
         return f"{self.sensor} silent for {self.longer_than:g} s"
 
     def is_met(self, estimate: Estimate) -> bool:
-        """See `Condition`."""
+        """Return whether `estimate` meets it."""
         return estimate.silence.get(self.sensor, math.inf) > self.longer_than
 
 
@@ -55,7 +55,7 @@ class SensorHeard(Condition):
         return f"{self.sensor} heard"
 
     def is_met(self, estimate: Estimate) -> bool:
-        """See `Condition`."""
+        """Return whether `estimate` meets it."""
         return estimate.silence.get(self.sensor, math.inf) <= self.within
 
 
@@ -77,7 +77,7 @@ class BatteryLow(Condition):
         return f"battery below {100.0 * self.share:g} % and the way home"
 
     def is_met(self, estimate: Estimate) -> bool:
-        """See `Condition`."""
+        """Return whether `estimate` meets it."""
         if estimate.battery is None:
             return False
         distance = estimate.distance_to(self.home)
@@ -96,7 +96,7 @@ class PositionUnsure(Condition):
         return f"position unsure by {self.limit:g} m"
 
     def is_met(self, estimate: Estimate) -> bool:
-        """See `Condition`."""
+        """Return whether `estimate` meets it."""
         return estimate.position_std > self.limit
 
 

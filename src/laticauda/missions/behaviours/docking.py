@@ -49,11 +49,11 @@ class SwimIntoDock(Behaviour[DockingState]):
         check_points(self.route)
 
     def begin(self, estimate: Estimate) -> DockingState:
-        """See `Behaviour`."""
+        """Return the state at `estimate`, when the phase begins."""
         return DockingState(route=RouteState(leg=0, begin=estimate.position))
 
     def steer(self, state: DockingState, estimate: Estimate) -> tuple[DockingState, Steering]:
-        """See `Behaviour`."""
+        """Return the next state, from `state` and `estimate`, and how to swim until the next instant."""
         if state.route is not None:
             route = follow_route(self.route, self.radius, state.route, estimate)
             if route.leg < len(self.route):
@@ -69,7 +69,7 @@ class SwimIntoDock(Behaviour[DockingState]):
         return state, Steering(course=course)
 
     def outcome(self, state: DockingState, estimate: Estimate) -> Outcome | None:
-        """See `Behaviour`."""
+        """Return how the phase ended, by `state` and `estimate`; None if it goes on."""
         if state.tries > self.tries:
             return "failed"
         return None

@@ -16,10 +16,10 @@ class Rest(Behaviour[None]):
     """The joints go to rest, and the robot drifts: the end of a mission."""
 
     def begin(self, estimate: Estimate) -> None:
-        """Return no state."""
+        """Return no state, at `estimate`."""
 
     def steer(self, state: None, estimate: Estimate) -> tuple[None, Steering]:
-        """See `Behaviour`."""
+        """Return the next state, from `state` and `estimate`, and how to swim until the next instant."""
         return None, Steering(effort=0.0)
 
 
@@ -31,15 +31,15 @@ class SwimStraight(Behaviour[Point]):
     distance: float = quantity("m", "How far", gt=0.0, default=3.0)
 
     def begin(self, estimate: Estimate) -> Point:
-        """Return where it begins."""
+        """Return where it begins, at `estimate`."""
         return estimate.position
 
     def steer(self, state: Point, estimate: Estimate) -> tuple[Point, Steering]:
-        """See `Behaviour`."""
+        """Return the next state, from `state` and `estimate`, and how to swim until the next instant."""
         return state, Steering(course=self.course)
 
     def outcome(self, state: Point, estimate: Estimate) -> Outcome | None:
-        """See `Behaviour`."""
+        """Return how the phase ended, by `state` and `estimate`; None if it goes on."""
         along_x = math.cos(self.course) * (estimate.position[0] - state[0])
         along_y = math.sin(self.course) * (estimate.position[1] - state[1])
         if along_x + along_y >= self.distance:
@@ -104,17 +104,17 @@ class SwimRoute(Behaviour[RouteState]):
         check_points(self.points)
 
     def begin(self, estimate: Estimate) -> RouteState:
-        """See `Behaviour`."""
+        """Return the state at `estimate`, when the phase begins."""
         return RouteState(leg=0, begin=estimate.position)
 
     def steer(self, state: RouteState, estimate: Estimate) -> tuple[RouteState, Steering]:
-        """See `Behaviour`."""
+        """Return the next state, from `state` and `estimate`, and how to swim until the next instant."""
         state = follow_route(self.points, self.radius, state, estimate)
         point = self.points[min(state.leg, len(self.points) - 1)]
         return state, Steering(course=estimate.course_to(point))
 
     def outcome(self, state: RouteState, estimate: Estimate) -> Outcome | None:
-        """See `Behaviour`."""
+        """Return how the phase ended, by `state` and `estimate`; None if it goes on."""
         if state.leg == len(self.points):
             return "done"
         return None
@@ -127,7 +127,7 @@ class Search(SwimRoute):
     within: float = quantity("m", "How near what is seen must be", gt=0.0, default=4.0)
 
     def outcome(self, state: RouteState, estimate: Estimate) -> Outcome | None:
-        """See `Behaviour`."""
+        """Return how the phase ended, by `state` and `estimate`; None if it goes on."""
         echo = estimate.nearest_echo
         if echo is not None and echo.distance <= self.within:
             return "done"

@@ -62,11 +62,11 @@ class KeepStation(Behaviour[SwimmingState]):
     duration: float = quantity("s", "Done after so long", gt=0.0, default=math.inf)
 
     def begin(self, estimate: Estimate) -> SwimmingState:
-        """See `Behaviour`."""
+        """Return the state at `estimate`, when the phase begins."""
         return SwimmingState(began_at=estimate.time, time=estimate.time)
 
     def steer(self, state: SwimmingState, estimate: Estimate) -> tuple[SwimmingState, Steering]:
-        """See `Behaviour`."""
+        """Return the next state, from `state` and `estimate`, and how to swim until the next instant."""
         current_speed = math.hypot(*estimate.current)
         if current_speed >= self.least_speed:
             return self._face_flow(state, estimate, current_speed)
@@ -80,7 +80,7 @@ class KeepStation(Behaviour[SwimmingState]):
         return state, Steering(course=course, pace=self._pace(distance / self.settling))
 
     def outcome(self, state: SwimmingState, estimate: Estimate) -> Outcome | None:
-        """See `Behaviour`."""
+        """Return how the phase ended, by `state` and `estimate`; None if it goes on."""
         if estimate.time - state.began_at >= self.duration:
             return "done"
         return None
@@ -182,7 +182,7 @@ class Hover(Behaviour[HoverState]):
             raise BadArgument("directions", f"{rule}, got {self.directions} at {self.places}")
 
     def begin(self, estimate: Estimate) -> HoverState:
-        """See `Behaviour`."""
+        """Return the state at `estimate`, when the phase begins."""
         heading = estimate.heading_now
         heading_ref = heading if self.heading is None else self.heading
         return HoverState(
@@ -193,7 +193,7 @@ class Hover(Behaviour[HoverState]):
         )
 
     def steer(self, state: HoverState, estimate: Estimate) -> tuple[HoverState, Steering]:
-        """See `Behaviour`."""
+        """Return the next state, from `state` and `estimate`, and how to swim until the next instant."""
         elapsed = estimate.time - state.time
         heading = estimate.heading_now
         heading_ref = self._heading_ref(state, estimate)
@@ -222,7 +222,7 @@ class Hover(Behaviour[HoverState]):
         return state, Steering(effort=0.0, thrusts=tuple(limited.tolist()))
 
     def outcome(self, state: HoverState, estimate: Estimate) -> Outcome | None:
-        """See `Behaviour`."""
+        """Return how the phase ended, by `state` and `estimate`; None if it goes on."""
         if estimate.time - state.began_at >= self.duration:
             return "done"
         return None

@@ -54,11 +54,11 @@ class FollowWall(Behaviour[WallState]):
     )
 
     def begin(self, estimate: Estimate) -> WallState:
-        """See `Behaviour`."""
+        """Return the state at `estimate`, when the phase begins."""
         return WallState(time=estimate.time, seen_at=estimate.time)
 
     def steer(self, state: WallState, estimate: Estimate) -> tuple[WallState, Steering]:
-        """See `Behaviour`."""
+        """Return the next state, from `state` and `estimate`, and how to swim until the next instant."""
         elapsed = estimate.time - state.time
         echo = estimate.nearest_echo
         if echo is None:
@@ -79,7 +79,7 @@ class FollowWall(Behaviour[WallState]):
         return 1.0 if self.side == "left" else -1.0
 
     def outcome(self, state: WallState, estimate: Estimate) -> Outcome | None:
-        """See `Behaviour`."""
+        """Return how the phase ended, by `state` and `estimate`; None if it goes on."""
         has_turned = self._side * state.turned >= 2.0 * math.pi * self.turns
         if has_turned or state.travelled >= self.length:
             return "done"
@@ -132,7 +132,7 @@ class StandOff(Behaviour[tuple[float, float]]):
     distance: float = quantity("m", "How far away", gt=0.0, default=2.5)
 
     def begin(self, estimate: Estimate) -> tuple[float, float]:
-        """Return where it waits."""
+        """Return where it waits, from the position in `estimate`."""
         x, y = estimate.position
         echo = estimate.last_echo
         if echo is None:
@@ -143,5 +143,5 @@ class StandOff(Behaviour[tuple[float, float]]):
     def steer(
         self, state: tuple[float, float], estimate: Estimate
     ) -> tuple[tuple[float, float], Steering]:
-        """See `Behaviour`."""
+        """Return the next state, from `state` and `estimate`, and how to swim until the next instant."""
         return state, Steering(course=estimate.course_to(state))

@@ -225,12 +225,12 @@ def check_disjoint(names: Collection[str], argument: str = "points") -> None:
     """
     by_plain_name: dict[str, list[str]] = {}
     for name in names:
-        others = by_plain_name.setdefault(strip_items(name), [])
-        for other in others:
-            if have_common_items(name, other):
+        names_of_parts = by_plain_name.setdefault(strip_items(name), [])
+        for earlier_name in names_of_parts:
+            if have_common_items(name, earlier_name):
                 rule = "must name each number once"
-                raise BadArgument(argument, f"{rule}, got `{other}` and `{name}`")
-        others.append(name)
+                raise BadArgument(argument, f"{rule}, got `{earlier_name}` and `{name}`")
+        names_of_parts.append(name)
 
 
 def _numbers_of_controller(motion: Motion) -> Iterator[Parameter]:
@@ -355,8 +355,8 @@ def change_parameters(scenario: Scenario, values: Mapping[str, float]) -> Scenar
 def _change_gait(gait: Gait, changes: Changes, robot: Robot) -> Gait:
     """Return a gait with other numbers, some of them of single joints."""
     of_joints = {step: value for step, value in changes.items() if joint_motion.is_of_joints(step)}
-    others = {step: value for step, value in changes.items() if step not in of_joints}
-    gait = apply_changes(gait, others)
+    changes_of_whole = {step: value for step, value in changes.items() if step not in of_joints}
+    gait = apply_changes(gait, changes_of_whole)
     if not of_joints:
         return gait
     return joint_motion.change_joints(gait, of_joints, robot)

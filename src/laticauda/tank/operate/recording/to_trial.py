@@ -353,8 +353,8 @@ def _readings(log: OperationLog, time: Column) -> dict[str, Column]:
         measured_at = [sample.time for sample in fitting]
         values = np.stack([sample.values for sample in fitting])
         latest = np.searchsorted(measured_at, time + TIME_ROUNDING, side="right") - 1
-        held = np.where(latest[:, np.newaxis] >= 0, values[np.maximum(latest, 0)], np.nan)
+        latest_values = np.where(latest[:, np.newaxis] >= 0, values[np.maximum(latest, 0)], np.nan)
         for column, name in enumerate(columns):
-            if np.isfinite(held[:, column]).all():
-                signals[f"{sensor}_{name}"] = held[:, column]
+            if np.isfinite(latest_values[:, column]).all():
+                signals[f"{sensor}_{name}"] = latest_values[:, column]
     return signals
