@@ -271,8 +271,9 @@ class Lab(Command):
     def _model(self) -> Model:
         """Return the model that moves the robot; sensors differ by the seed, too."""
         if self.body.scenario is None:
-            scene = self.surroundings if self.body.scene is not None else None
-            return model_of(self.body.model, joints=self.servos, scene=scene)
+            if self.body.scene is None:
+                return model_of(self.body.model, joints=self.servos)
+            return model_of(self.body.model, joints=self.servos, scene=self.surroundings)
         model = self.body.scenario.model
         sensors = tuple(
             replace(sensor, seed=sensor.seed + self.time.seed) for sensor in model.sensors
