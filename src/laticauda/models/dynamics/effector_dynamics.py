@@ -104,7 +104,7 @@ class EffectorDynamics:
             command: The command.
 
         Raises:
-            ValueError: See `Command.effectors`.
+            ValueError: If the numbers of values and of driven effectors differ, or a value is not finite.
         """
         robot = command.effectors(self._robot)
         values: list[float] = []
