@@ -81,6 +81,8 @@ ENDLESS = {
     ("OpenLoop", "interval"): "asked once",
     ("Fault", "duration"): "to the end",
     ("SensorFault", "end"): "a fault may last",
+    ("KeepStation", "duration"): "a station may be kept until something else happens",
+    ("Hover", "duration"): "the same",
     ("FollowWall", "length"): "a wall may be followed for ever",
     ("Phase", "time_limit"): "a phase may last",
     ("Waves", "depth"): "deep water",

@@ -9,7 +9,6 @@ from functools import cached_property
 from typing import Any, Literal
 
 import laticauda as lc
-from laticauda import missions
 from laticauda.cli.command import Command, until_stopped
 from laticauda.cli.flags import (
     File,
@@ -100,7 +99,11 @@ class Body(Options):
         """The scenario of the mission; None without one."""
         if self.mission is None:
             return None
-        return missions.load_mission(self.mission)
+        from laticauda.missions import (
+            load_mission,
+        )  # only with a mission, for missions can be left out
+
+        return load_mission(self.mission)
 
     @property
     def swimmer(self) -> Robot:

@@ -7,7 +7,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from laticauda import missions
 from laticauda.cli import command, flags
 from laticauda.models import simulate
 from laticauda.tank.operate import drivers, run_series, session, settings, terminal
@@ -160,6 +159,8 @@ class Operate(command.Command):
         """Return the operation, steered by the mission if there is one."""
         if self.mission is None:
             return operation
+        from laticauda import missions  # only with a mission, for missions can be left out
+
         scenario = missions.load_mission(self.mission)
         if not operation.connection.sensors_address:
             rule = "must be given with --mission, which steers by what they tell"
