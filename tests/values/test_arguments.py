@@ -171,7 +171,7 @@ NAMED = {
     "web": "`folder` must be of class str or PathLike[str], got int.",
     "fmu": "`path` must be of class str or PathLike[str], got int.",
     "driver": "`address` must be of class str, got tuple.",
-    "kind": "`kind` must be one of `bus`, `mocap`, `meter`, `stop`, got 'radio'.",
+    "kind": "`kind` must be one of `bus`, `mocap`, `meter`, `stop`, `sensors`, got 'radio'.",
     "own": "`own` must be of class Mapping, got float.",
     "changes": "`changes` must be of class Mapping, got int.",
 }
