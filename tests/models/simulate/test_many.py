@@ -357,7 +357,7 @@ def test_what_many_trials_came_to_is_a_dataset_with_the_labels_of_a_sweep():
         )
     assert found.center_of_mass.sel(axis="y").values.tolist() == swims.center_of_mass[:, 1].tolist()
     assert found.status.values.tolist() == list(swims.status)
-    labels = labels_of(lc.build_scenario(MAMBA, GAIT))
+    labels = labels_of(lc.build_scenario(MAMBA, GAIT), ())
     shared = labels.keys() & found.variables.keys()
     assert shared == {*FIGURES, "succeeded"} - {"positive_power"}
     assert {name: found[name].attrs for name in shared} == {name: labels[name] for name in shared}
