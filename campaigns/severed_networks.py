@@ -9,11 +9,12 @@ Thandiackal et al., Science Robotics 6, 2021.
 """
 
 import argparse
-import csv
 import warnings
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
+from _rows import append_row, stored
 
 import laticauda as lc
 from laticauda.control import Feedback, PhaseOscillators
@@ -47,41 +48,60 @@ def swim(seed: int, feedback: Feedback, cuts: tuple[int, ...]) -> float:
     return float(np.linalg.norm(way) / (trial.time[-1] - trial.time[half]))
 
 
-def run(seed: int) -> dict[str, float]:
-    """Return the speeds of one network: intact, severed, and severed with feedback [m/s].
+@dataclass(frozen=True)
+class Network:
+    """Speeds of one network [m/s]."""
+
+    seed: int
+    intact: float
+    severed: float
+    severed_with_feedback: float
+
+
+def run(seed: int) -> Network:
+    """Return the speeds of one network: intact, severed, and severed with feedback.
 
     Args:
         seed: Seed of the network.
     """
-    return {
-        "seed": seed,
-        "intact": swim(seed, Feedback(), ()),
-        "severed": swim(seed, Feedback(), ALL_JOINTS),
-        "severed_with_feedback": swim(seed, FEEDBACK, ALL_JOINTS),
-    }
+    return Network(
+        seed=seed,
+        intact=swim(seed, Feedback(), ()),
+        severed=swim(seed, Feedback(), ALL_JOINTS),
+        severed_with_feedback=swim(seed, FEEDBACK, ALL_JOINTS),
+    )
 
 
-def summarize(rows: list[dict[str, float]]) -> str:
-    """Return what the table says in three lines.
+def shares_of(networks: list[Network], column: str) -> np.ndarray:
+    """Return the speed of every network in one state, per that of the intact one [-].
 
     Args:
-        rows: One row per network.
+        networks: The networks.
+        column: The state: `severed` or `severed_with_feedback`.
+    """
+    return np.array([getattr(network, column) / network.intact for network in networks])
+
+
+def summarize(networks: list[Network]) -> str:
+    """Return what the table says in two lines.
+
+    Args:
+        networks: The networks.
     """
     lines: list[str] = []
     for column in ("severed", "severed_with_feedback"):
-        shares = np.array([row[column] / row["intact"] for row in rows])
+        shares = shares_of(networks, column)
         lines.append(
             f"{column}: median {np.median(shares):.2f} of the intact speed, "
             f"from {shares.min():.2f} to {shares.max():.2f}; "
-            f"below 0.10 in {np.sum(shares < 0.1)}, above 0.50 in {np.sum(shares > 0.5)} of {len(rows)}"
+            f"below 0.10 in {np.sum(shares < 0.1)}, above 0.50 in {np.sum(shares > 0.5)} of {len(networks)}"
         )
     return "\n".join(lines)
 
 
-def read_table() -> list[dict[str, float]]:
-    """Return the stored rows."""
-    with TABLE.open() as file:
-        return [{name: float(text) for name, text in row.items()} for row in csv.DictReader(file)]
+def read_table() -> list[Network]:
+    """Return the stored networks."""
+    return stored(TABLE, Network)
 
 
 def main() -> None:
@@ -89,26 +109,21 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--write", action="store_true")
     arguments = parser.parse_args()
-    rows: list[dict[str, float]] = []
+    networks: list[Network] = []
     for seed in SEEDS:
-        row = run(seed)
-        rows.append(row)
-        print({name: round(number, 4) for name, number in row.items()}, flush=True)
-    print(summarize(rows))
+        network = run(seed)
+        networks.append(network)
+        print(network, flush=True)
+    print(summarize(networks))
     if arguments.write:
-        with TABLE.open("w", newline="") as file:
-            writer = csv.DictWriter(file, fieldnames=list(rows[0]), lineterminator="\n")
-            writer.writeheader()
-            writer.writerows(
-                {name: f"{number:.6g}" for name, number in row.items()} for row in rows
-            )
-    else:
-        for row, stored in zip(rows, read_table(), strict=True):
-            for name, number in stored.items():
-                if abs(row[name] - number) > 1e-3:
-                    raise SystemExit(
-                        f"network {row['seed']}: {name} is {row[name]}, stored {number}"
-                    )
+        TABLE.unlink(missing_ok=True)
+        for network in networks:
+            append_row(TABLE, network)
+        return
+    for network, stored_network in zip(networks, read_table(), strict=True):
+        for name, number in asdict(stored_network).items():
+            if abs(getattr(network, name) - number) > 1e-3:
+                raise SystemExit(f"{network}: {name} is stored as {number}")
 
 
 if __name__ == "__main__":

@@ -228,13 +228,13 @@ class Observation(Observed):
     readings: Mapping[str, Reading] = field(default_factory=dict[str, Reading])
     """What each sensor of the model last told, by its name."""
 
-    def with_loads(self, evaluate: Callable[[], BodyLoads]) -> "Observation":
-        """Return the same observation with loads.
+    def give_loads(self, evaluate: Callable[[], BodyLoads]) -> None:
+        """Say how the loads are computed; for whoever makes the observation, before anybody sees it.
 
         Args:
             evaluate: Computes them.
         """
-        return self._copy_with(EVALUATE_LOADS, evaluate)
+        vars(self)[EVALUATE_LOADS] = evaluate
 
     def with_readings(self, readings: Mapping[str, Reading]) -> "Observation":
         """Return the same observation with readings of sensors.
@@ -242,13 +242,10 @@ class Observation(Observed):
         Args:
             readings: The last reading of each sensor, by its name.
         """
-        return self._copy_with("readings", readings)
-
-    def _copy_with(self, name: str, content: object) -> "Observation":
-        """Return the same observation with one attribute set; without its constructor, which is slow."""
+        # Without its constructor, which is slow.
         copy = object.__new__(type(self))
         vars(copy).update(vars(self))
-        vars(copy)[name] = content
+        vars(copy)["readings"] = readings
         return copy
 
 

@@ -10,7 +10,7 @@ from jaxtyping import Float
 from laticauda.sensing.body_loads import BodyLoads
 
 EVALUATE_LOADS = "_evaluate_loads"
-"""Attribute by which a plant gives an observation what computes its loads (`Observation.with_loads`)."""
+"""Attribute by which a plant gives an observation what computes its loads (`Observation.give_loads`)."""
 
 
 class Reading(NamedTuple):

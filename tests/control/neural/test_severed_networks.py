@@ -9,21 +9,20 @@ COLUMNS = ("intact", "severed", "severed_with_feedback")
 
 
 def test_with_feedback_severed_networks_swim_at_half_the_intact_speed_or_faster():
-    rows = severed_networks.read_table()
-    shares = np.array([row["severed_with_feedback"] / row["intact"] for row in rows])
-    assert len(rows) == 20
+    networks = severed_networks.read_table()
+    shares = severed_networks.shares_of(networks, "severed_with_feedback")
+    assert len(networks) == 20
     assert np.sum(shares > 0.5) == 19
 
 
 def test_without_feedback_severed_networks_hardly_swim():
-    rows = severed_networks.read_table()
-    shares = np.array([row["severed"] / row["intact"] for row in rows])
+    shares = severed_networks.shares_of(severed_networks.read_table(), "severed")
     assert np.median(shares) < 0.1
     assert np.sum(shares < 0.1) == 13
 
 
 def test_a_stored_network_swims_the_same_again():
     stored = severed_networks.read_table()[1]
-    row = severed_networks.run(1)
+    network = severed_networks.run(1)
     for column in COLUMNS:
-        assert row[column] == pytest.approx(stored[column], abs=2e-4), column
+        assert getattr(network, column) == pytest.approx(getattr(stored, column), abs=2e-4), column

@@ -72,18 +72,6 @@ class HalfCenters(NeuralGait[Neurons]):
             fatigue=0.1 + np.stack((late_wave, -late_wave)),
         )
 
-    def move(self, neurons: Neurons, drive: Drive, felt: PerJoint, dt: float) -> Neurons:
-        """Return the neurons a time step later, by the midpoint rule.
-
-        Args:
-            neurons: The neurons.
-            drive: What is asked of them.
-            felt: What each joint feels; it excites the left neuron, and inhibits the right one [1/s].
-            dt: Time step [s].
-        """
-        middle = _moved(neurons, self._rates(neurons, drive, felt), 0.5 * dt)
-        return _moved(neurons, self._rates(middle, drive, felt), dt)
-
     def references(self, neurons: Neurons, drive: Drive) -> PerJoint:
         """Return the reference of every joint [rad].
 
@@ -104,8 +92,14 @@ class HalfCenters(NeuralGait[Neurons]):
         outputs = (left - right).tolist()
         return {f"neurons_{i}": output for i, output in enumerate(outputs)}
 
-    def _rates(self, neurons: Neurons, drive: Drive, felt: PerJoint) -> Neurons:
-        """Return the time derivatives of all numbers."""
+    def rates(self, neurons: Neurons, drive: Drive, felt: PerJoint) -> Neurons:
+        """Return the time derivatives of all numbers of the neurons.
+
+        Args:
+            neurons: The neurons.
+            drive: What is asked of them.
+            felt: What each joint feels; it excites the left neuron, and inhibits the right one [1/s].
+        """
         time_constant = 2.0 * math.pi / (drive.frequency * NATURAL_PERIOD)
         output = np.maximum(neurons.excitation, 0.0)
         from_neighbors = np.zeros_like(output)
@@ -123,11 +117,3 @@ class HalfCenters(NeuralGait[Neurons]):
         ) / time_constant
         fatigue_rate = (output - neurons.fatigue) / (ADAPTATION_TIME * time_constant)
         return Neurons(excitation=excitation_rate, fatigue=fatigue_rate)
-
-
-def _moved(neurons: Neurons, rates: Neurons, dt: float) -> Neurons:
-    """Return the neurons after a time step at constant rates."""
-    return Neurons(
-        excitation=neurons.excitation + dt * rates.excitation,
-        fatigue=neurons.fatigue + dt * rates.fatigue,
-    )

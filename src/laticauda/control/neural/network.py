@@ -20,7 +20,7 @@ from laticauda.robot import Robot
 from laticauda.scenarios import Command, Controller, Observation
 from laticauda.values import BadArgument, option, quantity, value_class
 
-Neurons = TypeVar("Neurons")
+Neurons = TypeVar("Neurons", bound=tuple[Any, ...])
 PerJoint = Float[np.ndarray, " n_joints"]
 
 LONGEST_STEP = 0.01
@@ -167,14 +167,13 @@ class NeuralGait(Controller[NetworkState[Neurons]], Generic[Neurons]):
         """
 
     @abstractmethod
-    def move(self, neurons: Neurons, drive: Drive, felt: PerJoint, dt: float) -> Neurons:
-        """Return the neurons a time step later.
+    def rates(self, neurons: Neurons, drive: Drive, felt: PerJoint) -> Neurons:
+        """Return the time derivatives of all numbers of the neurons.
 
         Args:
             neurons: The neurons.
             drive: What is asked of them.
             felt: Rate by which feedback would pull each phase at most [1/s].
-            dt: Time step [s].
         """
 
     @abstractmethod
@@ -193,6 +192,18 @@ class NeuralGait(Controller[NetworkState[Neurons]], Generic[Neurons]):
         Args:
             neurons: The neurons.
         """
+
+    def move(self, neurons: Neurons, drive: Drive, felt: PerJoint, dt: float) -> Neurons:
+        """Return the neurons a time step later, by the midpoint rule.
+
+        Args:
+            neurons: The neurons.
+            drive: What is asked of them.
+            felt: Rate by which feedback would pull each phase at most [1/s].
+            dt: Time step [s].
+        """
+        middle = _moved(neurons, self.rates(neurons, drive, felt), 0.5 * dt)
+        return _moved(neurons, self.rates(middle, drive, felt), dt)
 
     def is_coupled(self, n_joints: int) -> Float[np.ndarray, " n_joints_but_one"]:
         """Return 1 where a joint is coupled to the next one, 0 at cuts [-].
@@ -265,3 +276,9 @@ class NeuralGait(Controller[NetworkState[Neurons]], Generic[Neurons]):
         for _ in range(n_steps):
             neurons = self.move(neurons, drive, felt, elapsed / n_steps)
         return neurons
+
+
+def _moved(neurons: Neurons, rates: Neurons, dt: float) -> Neurons:
+    """Return the neurons, a named tuple, after a time step at constant rates."""
+    moved = [number + dt * rate for number, rate in zip(neurons, rates, strict=True)]
+    return type(neurons)(*moved)

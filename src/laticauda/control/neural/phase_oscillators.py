@@ -60,18 +60,6 @@ class PhaseOscillators(NeuralGait[Oscillators]):
             offset_rate=0.0,
         )
 
-    def move(self, neurons: Oscillators, drive: Drive, felt: PerJoint, dt: float) -> Oscillators:
-        """Return the oscillators a time step later, by the midpoint rule.
-
-        Args:
-            neurons: The oscillators.
-            drive: What is asked of them.
-            felt: Rate by which feedback would pull each phase at most [1/s].
-            dt: Time step [s].
-        """
-        middle = _moved(neurons, self._rates(neurons, drive, felt), 0.5 * dt)
-        return _moved(neurons, self._rates(middle, drive, felt), dt)
-
     def references(self, neurons: Oscillators, drive: Drive) -> PerJoint:
         """Return the reference of every joint [rad].
 
@@ -89,8 +77,14 @@ class PhaseOscillators(NeuralGait[Oscillators]):
         """
         return {f"phase_{i}": phase for i, phase in enumerate(neurons.phase.tolist())}
 
-    def _rates(self, neurons: Oscillators, drive: Drive, felt: PerJoint) -> Oscillators:
-        """Return the time derivatives of all numbers."""
+    def rates(self, neurons: Oscillators, drive: Drive, felt: PerJoint) -> Oscillators:
+        """Return the time derivatives of all numbers of the neurons.
+
+        Args:
+            neurons: The neurons.
+            drive: What is asked of them.
+            felt: Rate by which feedback would pull each phase at most [1/s].
+        """
         phase = neurons.phase
         pull = self.is_coupled(phase.size) * self.coupling
         pull = pull * np.sin(np.diff(phase) - drive.phase_shift)
@@ -110,14 +104,3 @@ class PhaseOscillators(NeuralGait[Oscillators]):
     def _settle(self, distance: Any, rate: Any) -> Any:
         """Return the second derivative that brings a number to its aim without overshoot."""
         return self.amplitude_rate * (0.25 * self.amplitude_rate * distance - rate)
-
-
-def _moved(neurons: Oscillators, rates: Oscillators, dt: float) -> Oscillators:
-    """Return the oscillators after a time step at constant rates."""
-    return Oscillators(
-        phase=neurons.phase + dt * rates.phase,
-        amplitude=neurons.amplitude + dt * rates.amplitude,
-        amplitude_rate=neurons.amplitude_rate + dt * rates.amplitude_rate,
-        offset=neurons.offset + dt * rates.offset,
-        offset_rate=neurons.offset_rate + dt * rates.offset_rate,
-    )

@@ -149,7 +149,9 @@ class Plant(ABC, Generic[ModelType]):
         """Return the observation of `state`, with `loads` under `command`."""
         if state.effectors is not None:
             command = self.effector_dynamics.in_effect(command, np.array(state.effectors))
-        return self.observe(state).with_loads(partial(self.evaluate_loads, state, command))
+        observation = self.observe(state)
+        observation.give_loads(partial(self.evaluate_loads, state, command))
+        return observation
 
     @abstractmethod
     def evaluate_loads(self, state: PlantState, command: Command) -> BodyLoads:

@@ -229,7 +229,9 @@ class Fleet:
         plant = self.runs[i].plant
         block, lane = divmod(i, WIDTH)
         rows_now = self._lanes[block, :, lane].copy()  # the lanes move on
-        return plant.observe(self.state_of(i)).with_loads(partial(plant.loads_of_rows, rows_now))
+        observation = plant.observe(self.state_of(i))
+        observation.give_loads(partial(plant.loads_of_rows, rows_now))
+        return observation
 
     def _sense_all(self, is_well: np.ndarray) -> list[Observation]:
         """Return the observations of all robots with what their sensors tell; those that failed sense nothing new."""
