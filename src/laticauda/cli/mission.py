@@ -1,6 +1,6 @@
 """`laticauda mission`: a robot on a mission, once, under drawn conditions, or many times."""
 
-from dataclasses import asdict, replace
+from dataclasses import asdict, fields, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -30,7 +30,7 @@ from laticauda.missions import (
     run_mission,
     summarize_campaign,
 )
-from laticauda.scenarios import Scenario, Spatial
+from laticauda.scenarios import MODELS, Model, Planar, Scenario
 from laticauda.show.figures import save_figure
 from laticauda.values import option, quantity, to_plain, value_class
 
@@ -94,18 +94,31 @@ class RunMission(Command):
         scenario = load_mission(name)
         if self.duration is not None:
             scenario = replace(scenario, duration=self.duration)
-        if self.model == "spatial" and not isinstance(scenario.model, Spatial):
-            scenario = replace(scenario, model=Spatial(**vars(scenario.model)))
+        if self.model is not None:
+            scenario = replace(scenario, model=_as_model(scenario.model, self.model))
         return scenario
 
     def _run_campaign(self, scenario: Scenario, n_runs: int) -> Outcome:
         """Run a campaign, and report what it shows."""
         if self.table is None:
             raise BadFlag("--runs must be given together with --table FILE.csv.")
+        if self.seed is not None or self.save is not None or self.plot is not None:
+            raise BadFlag(
+                "--seed, --save and --plot must be left out with --runs, for one run only."
+            )
         conditions = _conditions_of(scenario)
         rows = run_campaign(scenario, conditions, range(n_runs), Path(self.table))
         summary = summarize_campaign(rows)
         return Outcome(facts=to_plain(asdict(summary)), text=_describe_campaign(summary))
+
+
+def _as_model(model: Model, name: str) -> Model:
+    """Return the model of a name with all settings that it has in common with another one."""
+    wanted = MODELS[name]
+    if isinstance(model, wanted):
+        return model
+    settings = {field.name: getattr(model, field.name) for field in fields(Planar)}
+    return wanted(**settings)
 
 
 def _conditions_of(scenario: Scenario) -> Conditions:

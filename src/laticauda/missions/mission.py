@@ -117,9 +117,9 @@ class Mission(Controller[MissionState]):
         """Return a way to a phase by its name."""
         if name not in self.phase_names:
             listed = ", ".join(f"`{known}`" for known in self.phase_names)
-            where = self.phases[before].name
+            leaving = self.phases[before].name
             raise BadArgument(
-                "phases", f"must lead to one of {listed}, got {name!r} after `{where}`"
+                "phases", f"must lead to one of {listed}, got {name!r} after `{leaving}`"
             )
         return Way(before, self.phase_names.index(name), reason)
 
@@ -159,9 +159,9 @@ class Mission(Controller[MissionState]):
         if state.began_at is None:
             state = self._begin(state, 0, estimate)
         state, steering = self._steer(state, estimate)
-        taken = self._way_taken(state, estimate)
-        if taken is not None:
-            number, entry = taken
+        numbered_way = self._way_taken(state, estimate)
+        if numbered_way is not None:
+            number, entry = numbered_way
             state = self._begin(state, entry.way.after, estimate)
             state = replace(state, way=number, n_changes=state.n_changes + 1)
             state, steering = self._steer(state, estimate)

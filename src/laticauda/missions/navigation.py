@@ -241,8 +241,8 @@ class _Instant:
     def _headings_of_cycle(self, heading: float) -> tuple[tuple[float, float], ...]:
         """Return the times and headings of the last cycle."""
         oldest = self._time - self._cycle + 0.5 * self._elapsed
-        kept = [sample for sample in self._before.headings if sample[0] >= oldest]
-        return (*kept, (self._time, heading))
+        recent = [sample for sample in self._before.headings if sample[0] >= oldest]
+        return (*recent, (self._time, heading))
 
     def _in_world(self, name: str, head_heading: float) -> tuple[float, float] | None:
         """Return the velocity of the head that a Doppler log tells, world axes; None if it is silent [m/s]."""

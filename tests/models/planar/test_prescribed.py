@@ -75,7 +75,11 @@ def test_an_evaluation_gives_what_the_general_recursion_gives(seed, form, is_tot
     S = rows_of_random_state(rng, plant)
     general, _ = march(RUN, plant, S, 0)
     own, _ = march(RUN_PRESCRIBED, plant, S, 0)
-    assert_close(own[rows.HEADING_ACCELERATION], general[rows.HEADING_ACCELERATION])
+    # The heading's is the mean of those of the links, and may be near 0 between large ones.
+    links = rows.HEADER_ROWS + rows.BODY_ROWS * np.arange(plant.layout.n_bodies)
+    largest_turn = np.abs(general[links + rows.LINK_ACCELERATION]).max()
+    difference = own[rows.HEADING_ACCELERATION] - general[rows.HEADING_ACCELERATION]
+    assert abs(difference) <= TOLERANCE * largest_turn
     assert_close(own[rows.AX : rows.AY + 1], general[rows.AX : rows.AY + 1])
     joints = rows.HEADER_ROWS + rows.BODY_ROWS * np.arange(1, plant.layout.n_bodies)
     if joints.size:

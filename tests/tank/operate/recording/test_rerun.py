@@ -185,7 +185,7 @@ def test_a_recording_makes_the_same_twin_again_and_the_estimates_are_the_same_to
     assert log.header.twin == Experiment(
         robot=TWIN.robot,
         environment=TWIN.environment,
-        model=lc.Planar(joints=Servo(), dt=0.002, offset_bandwidth=10.0, ramp=0.0),
+        model=lc.Planar(joints=Servo(), dt=TWIN.dt, offset_bandwidth=10.0, ramp=0.0),
     )
     again = rerun_estimator(log, plant=lc.build_plant)
     assert len(again) > 200

@@ -1,0 +1,43 @@
+"""`laticauda mission`: what it lists, runs, draws and refuses."""
+
+import json
+
+import pytest
+
+from laticauda.cli import main
+
+
+def test_without_a_name_it_lists_the_missions(capsys):
+    assert main(["mission"]) == 0
+    assert capsys.readouterr().out.split() == ["net-inspection", "tank-inspection"]
+
+
+@pytest.mark.parametrize("model", ["planar", "spatial"])
+def test_a_short_run_tells_where_it_ended_and_draws_map_and_phases(model, tmp_path, capsys):
+    if model == "spatial":
+        pytest.importorskip("mujoco")
+    pictures = [str(tmp_path / "map.png"), str(tmp_path / "phases.png")]
+    words = ["mission", "net-inspection", "--model", model, "--duration", "2", "--json"]
+    assert main([*words, "--plot", pictures[0], "--diagram", pictures[1]]) == 0
+    facts = json.loads(capsys.readouterr().out)
+    assert not facts["docked"] and facts["last_phase"] == "undock"
+    assert facts["duration"] == pytest.approx(2.0)
+    assert all((tmp_path / name).stat().st_size > 10_000 for name in ("map.png", "phases.png"))
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["net-inspektion"], "did you mean `net-inspection`?"),
+        (["net-inspection", "--runs", "2"], "--runs must be given together with --table FILE.csv."),
+        (
+            ["net-inspection", "--runs", "2", "--table", "a.csv", "--plot", "a.png"],
+            "--seed, --save and --plot must be left out with --runs, for one run only.",
+        ),
+        (["net-inspection", "--seed", "-1"], "--seed must be a whole number >= 0, got -1."),
+    ],
+)
+def test_what_no_mission_can_do_is_refused(words, message, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(["mission", *words]) == 2
+    assert message in capsys.readouterr().err
