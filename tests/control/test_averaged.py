@@ -3,28 +3,14 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
+from averaged_models import AVERAGED_MODEL
 from hypothesis import given, settings, strategies as st
 
 import laticauda as lc
 from laticauda.control import AveragedModel, OffsetSteps, fit_averaged
 from laticauda.scenarios import Experiment
 
-MODEL = AveragedModel(
-    turn_0=0.02,
-    turn_1=0.55,
-    bend=1.4,
-    bend_lag=0.25,
-    speed_0=0.01,
-    speed_1=0.08,
-    speed_offset=-0.2,
-    speed_lag=1.5,
-    sway=0.25,
-    sway_lag=1.2,
-    power_0=1.0,
-    power_1=3.0,
-    power_exponent=2.3,
-    power_offset=9.0,
-)
+MODEL = replace(AVERAGED_MODEL, speed_lag=1.5)
 GAIT = lc.lateral_undulation(amplitude=0.5, frequency=1.5, phase_shift=0.7)
 STEPS = OffsetSteps(gait=GAIT)
 STATE = (0.0, 0.0, 0.2, 0.1, 0.05, 0.01)

@@ -3,6 +3,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from averaged_models import AVERAGED_MODEL
 from hypothesis import assume, given, strategies as st
 
 import laticauda as lc
@@ -11,22 +12,7 @@ from laticauda.control.current import BEND, PSI, CurrentObserver, crab_angle
 from laticauda.trials import following
 
 FREQUENCY = 1.5
-MODEL = AveragedModel(
-    turn_0=0.02,
-    turn_1=0.55,
-    bend=1.4,
-    bend_lag=0.25,
-    speed_0=0.01,
-    speed_1=0.08,
-    speed_offset=-0.2,
-    speed_lag=0.5,
-    sway=0.25,
-    sway_lag=1.2,
-    power_0=1.0,
-    power_1=3.0,
-    power_exponent=2.3,
-    power_offset=9.0,
-)
+MODEL = AVERAGED_MODEL
 NOTHING = np.zeros(1)
 
 

@@ -6,10 +6,10 @@ from typing import Any, ClassVar
 
 import numpy as np
 import pytest
+from averaged_models import AVERAGED_MODEL
 
 import laticauda as lc
 from laticauda.control import (
-    AveragedModel,
     Circle,
     CurrentObserver,
     HeadingController,
@@ -28,22 +28,7 @@ from laticauda.scenarios import VectorController
 from laticauda.values import value_class
 
 GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
-MODEL = AveragedModel(
-    turn_0=0.02,
-    turn_1=0.55,
-    bend=1.4,
-    bend_lag=0.25,
-    speed_0=0.01,
-    speed_1=0.08,
-    speed_offset=-0.2,
-    speed_lag=0.5,
-    sway=0.25,
-    sway_lag=1.2,
-    power_0=1.0,
-    power_1=3.0,
-    power_exponent=2.3,
-    power_offset=9.0,
-)
+MODEL = AVERAGED_MODEL
 CORNERS = ((0.0, 0.0), (0.3, 0.1), (0.6, -0.2), (1.5, 0.0))
 BASE = lc.build_scenario("mamba", GAIT, 4.0)
 FIGURES = ("forward_velocity", "mechanical_power", "mean_power", "cost_of_transport")

@@ -19,32 +19,17 @@ from pathlib import Path
 from typing import NamedTuple, cast
 from unittest import mock
 
-from numba import cuda, types
+from numba import cuda
 
 import laticauda as lc
+from laticauda.connect.native.usual_kernels import signature_of
 from laticauda.models.planar import PlanarPlant
 from laticauda.values import LaticaudaError
 from laticauda_cuda import kernel_of
 
 CAPABILITY = (9, 0)
 """Compute capability of the GPU that the kernel is assembled for: an H100."""
-_NUMBERS = types.Array(types.float64, 2, "C")
-_LOG = types.Array(types.float64, 3, "C")
-_INTEGERS = types.Array(types.int64, 1, "C")
-SIGNATURE = (
-    _NUMBERS,
-    types.int64,
-    _INTEGERS,
-    _INTEGERS,
-    _INTEGERS,
-    types.int64,
-    types.boolean,
-    types.boolean,
-    types.int64,
-    types.float64,
-    types.int64,
-    _LOG,
-)
+SIGNATURE = signature_of(2)
 """Types of the arguments that `laticauda_cuda` passes to a kernel."""
 
 

@@ -9,10 +9,10 @@ import tyro
 
 from laticauda.cli.command import Command, Outcome, until_stopped
 from laticauda.cli.flag_types import TrialOutput
-from laticauda.cli.flags import BadFlag, parse_command
+from laticauda.cli.own_program import run_program
 from laticauda.connect.vehicle_record import save_record
 from laticauda.scenarios import load_scenario
-from laticauda.values import BadArgument, LaticaudaError, option, quantity, value_class
+from laticauda.values import BadArgument, option, quantity, value_class
 from laticauda_ros2.drive import Drive, load_drive
 from laticauda_ros2.node import TOPIC, name_and_domain
 from laticauda_ros2.vehicle_node import VehicleNode
@@ -80,14 +80,7 @@ def main(words: Sequence[str] | None = None) -> int:
     Returns:
         The exit status: 0 success, 2 bad input or a run that diverged.
     """
-    arguments = list(sys.argv[1:] if words is None else words)
-    try:
-        return parse_command(Serve, arguments, PROGRAM)()
-    except SystemExit as end:  # tyro has printed its help or an error
-        return end.code if isinstance(end.code, int) else 2
-    except (BadFlag, LaticaudaError, ValueError, OSError) as error:
-        print(f"{PROGRAM}: {error}", file=sys.stderr)
-        return 2
+    return run_program(Serve, PROGRAM, words)
 
 
 if __name__ == "__main__":

@@ -90,24 +90,34 @@ USUAL_KERNELS = (
 """Kernels for the laws that the waters, the grounds and the identified parameters of the presets have.
 
 What is compiled as `RUN` for prescribed joints includes pd control and servos."""
-_NUMBERS = types.Array(types.float64, 1, "C")
 _INTEGERS = types.Array(types.int64, 1, "C")
 _LOG = types.Array(types.float64, 3, "C")
-SIGNATURE = (
-    _NUMBERS,
-    types.int64,
-    _INTEGERS,
-    _INTEGERS,
-    _INTEGERS,
-    types.int64,
-    types.boolean,
-    types.boolean,
-    types.int64,
-    types.float64,
-    types.int64,
-    _LOG,
-)
-"""Types of the arguments of `stepping.run`; `kernels.c` passes the same."""
+
+
+def signature_of(n_axes: int) -> tuple[types.Type, ...]:
+    """Return the types of the arguments of `stepping.run`.
+
+    Args:
+        n_axes: Number of axes of the rows: 1 for one robot, 2 for many.
+    """
+    return (
+        types.Array(types.float64, n_axes, "C"),
+        types.int64,
+        _INTEGERS,
+        _INTEGERS,
+        _INTEGERS,
+        types.int64,
+        types.boolean,
+        types.boolean,
+        types.int64,
+        types.float64,
+        types.int64,
+        _LOG,
+    )
+
+
+SIGNATURE = signature_of(1)
+"""Types for one robot; `kernels.c` passes the same."""
 
 
 def build_library(

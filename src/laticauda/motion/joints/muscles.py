@@ -26,14 +26,20 @@ STRETCHING_STEEPNESS = 7.56 * SHORTENING_CURVATURE
 
 
 @value_class
-class Ekeberg(JointLaw):
-    """Muscles as springs that activation stiffens, see `ekeberg`."""
+class _Muscles(JointLaw):
+    """Two muscles, and how the reference activates them."""
 
     takes_jumps: ClassVar[bool] = True
-    remedy: ClassVar[str] = "a smaller `dt`, or a lower `strength`"
 
     gain: float = quantity("1/rad", "Activation per reference", gt=0.0, default=1.0)
     tone: float = quantity("", "Activation of both muscles at rest", ge=0.0, le=1.0, default=0.1)
+
+
+@value_class
+class Ekeberg(_Muscles):
+    """Muscles as springs that activation stiffens, see `ekeberg`."""
+
+    remedy: ClassVar[str] = "a smaller `dt`, or a lower `strength`"
     strength: float = quantity(
         "N m", "alpha, torque per difference of activations", ge=0.0, default=2.0
     )
@@ -57,14 +63,11 @@ class Ekeberg(JointLaw):
 
 
 @value_class
-class Hill(JointLaw):
+class Hill(_Muscles):
     """Muscles whose force depends on their length and speed, see `hill`."""
 
-    takes_jumps: ClassVar[bool] = True
     remedy: ClassVar[str] = "a smaller `dt`, or a lower `force`"
 
-    gain: float = quantity("1/rad", "Activation per reference", gt=0.0, default=1.0)
-    tone: float = quantity("", "Activation of both muscles at rest", ge=0.0, le=1.0, default=0.1)
     force: float = quantity(
         "N", "Isometric force of one muscle, fully active", ge=0.0, default=60.0
     )
