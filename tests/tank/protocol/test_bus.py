@@ -31,6 +31,17 @@ def test_a_virtual_bus_carries_frames():
         assert from_frame(other.recv(1.0)) == Sync(counter=3)
 
 
+def test_a_bus_beyond_this_computer_has_the_usual_socket_and_its_hops():
+    address = bus_address("udp_multicast:239.74.163.9:43999", hops=1)
+    try:
+        bus = open_bus(address)
+    except BusFailed as refusal:
+        pytest.skip(f"no group can be joined on a network here: {refusal}")
+    with bus:
+        assert type(bus._multicast).__name__ == "GeneralPurposeUdpMulticastBus"
+        assert bus._multicast.hop_limit == 1
+
+
 @pytest.mark.parametrize(
     ("text", "shown"),
     [

@@ -5,6 +5,7 @@ import math
 import pytest
 
 from laticauda.tank.protocol.readings import (
+    MOST_SENSORS,
     SensorList,
     SentReading,
     decode_datagram,
@@ -54,3 +55,8 @@ def test_a_list_of_sensors_comes_back():
 )
 def test_anything_else_is_nothing(datagram):
     assert decode_datagram(datagram) is None
+
+
+def test_a_list_of_very_many_sensors_is_nothing():
+    columns = {f"sensor_{k}": ("value",) for k in range(MOST_SENSORS + 1)}
+    assert decode_datagram(encode_list(SensorList(session="a", columns=columns))) is None
