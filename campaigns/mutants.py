@@ -57,6 +57,8 @@ from typing import Any
 import pytest
 from _mutations import Mutant, mutants_of
 
+from laticauda.missions.campaign import wilson_interval
+
 ROOT = Path(__file__).parents[1]
 STORED = Path(__file__).with_suffix(".csv")
 ALIVE = Path(__file__).with_name("mutants_alive.csv")
@@ -448,9 +450,7 @@ def wilson(n: int, of: int) -> tuple[float, float]:
     """The 95 % interval of a share, by Wilson's score."""
     if not of:
         return 0.0, 1.0
-    z, p = 1.959964, n / of
-    middle, width = p + z * z / (2 * of), z * math.sqrt(p * (1 - p) / of + z * z / (4 * of * of))
-    return (middle - width) / (1 + z * z / of), (middle + width) / (1 + z * z / of)
+    return wilson_interval(n, of)
 
 
 def answers(progress: Path) -> dict[str, dict[str, Any]]:

@@ -1,6 +1,7 @@
 """What came of a run, by what is true of it: how near the body came to places, and what was seen of a net."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -27,13 +28,12 @@ def measure_clearance(trial: Trial) -> float:
     )
     if not places:
         return math.inf
-    robot = trial.robot.planar()
-    posture = kinematics.Posture(robot, trial.center_of_mass[:, :2], trial.link_angle)
+    posture = _posture_of(trial)
     lines = np.concatenate((posture.link_ends, posture.link_centers), axis=1)
     points = lines.reshape(-1, 2)
     depth = np.zeros((len(points), 1))
     distances = surroundings_of(places).distances(np.concatenate((points, depth), axis=1))
-    half_width = max(module.section.half_width for module in robot.modules)
+    half_width = max(module.section.half_width for module in posture.robot.modules)
     return float(np.min(distances)) - half_width
 
 
@@ -45,48 +45,60 @@ def measure_share_seen(trial: Trial, net: Net, sonar: Sonar) -> float:
         net: The net.
         sonar: The sonar.
     """
-    points, normals = _points_of_net(net)
-    head, heading = _head_of(trial)
-    is_seen = np.zeros(len(points), dtype=bool)
-    for position, direction in zip(head, heading.tolist(), strict=True):
-        is_seen |= _sees(position, direction, points, normals, sonar)
+    marks = _marks_on(net)
+    tips = _posture_of(trial).link_ends[:, -1]
+    directions = trial.link_angle[:, -1].tolist()
+    is_seen = np.zeros(len(marks.points), dtype=bool)
+    for tip, direction in zip(tips, directions, strict=True):
+        is_seen |= _sees(tip, direction, marks, sonar)
     return float(np.mean(is_seen))
 
 
+class _Marks(NamedTuple):
+    """Points on a net of which it is asked whether they were seen."""
+
+    points: Float[np.ndarray, "n 2"]
+    """The points [m]."""
+    normals: Float[np.ndarray, "n 2"]
+    """Outward normals of the net there [-]."""
+
+
 def _sees(
-    head: Float[np.ndarray, " 2"],
-    heading: float,
-    points: Float[np.ndarray, "n 2"],
-    normals: Float[np.ndarray, "n 2"],
-    sonar: Sonar,
+    head: Float[np.ndarray, " 2"], heading: float, marks: _Marks, sonar: Sonar
 ) -> Bool[np.ndarray, " n"]:
-    """Return which points the sonar sees from one pose of the head."""
-    to_points = points - head
+    """Return which marks the sonar sees from one pose of the head."""
+    to_points = marks.points - head
     distance = np.linalg.norm(to_points, axis=1)
     bearing = np.arctan2(to_points[:, 1], to_points[:, 0]) - heading
     bearing = np.angle(np.exp(1j * bearing))
     half_width = 0.5 * sonar.beam_width
     in_fan = (bearing >= min(sonar.beams) - half_width) & (bearing <= max(sonar.beams) + half_width)
-    cosine = -np.sum(to_points * normals, axis=1) / distance
+    cosine = -np.sum(to_points * marks.normals, axis=1) / distance
     return in_fan & (distance <= sonar.largest_range) & (cosine >= math.cos(LARGEST_INCIDENCE))
 
 
-def _points_of_net(net: Net) -> tuple[np.ndarray, np.ndarray]:
-    """Return points along a net and its outward normals there."""
-    corners = np.array(net.corners)
-    spans = np.roll(corners, -1, axis=0) - corners
-    shares = (np.arange(POINTS_PER_PANEL) + 0.5) / POINTS_PER_PANEL
-    points = corners[:, np.newaxis] + shares[:, np.newaxis] * spans[:, np.newaxis]
-    outward = np.stack((spans[:, 1], -spans[:, 0]), axis=1)
-    outward /= np.linalg.norm(outward, axis=1, keepdims=True)
-    return points.reshape(-1, 2), np.repeat(outward, POINTS_PER_PANEL, axis=0)
+def _marks_on(net: Net) -> _Marks:
+    """Return marks along a net, equally many on every panel."""
+    begins = np.array(net.corners)
+    spans = np.roll(begins, -1, axis=0) - begins
+    lengths = np.linalg.norm(spans, axis=1, keepdims=True)
+    right_of_spans = np.stack((spans[:, 1], -spans[:, 0]), axis=1)
+    points: list[np.ndarray] = []
+    for mark in range(POINTS_PER_PANEL):
+        share = (mark + 0.5) / POINTS_PER_PANEL
+        points.append(begins + share * spans)
+    # The corners go round counter-clockwise: outward is to the right of the way.
+    outward = right_of_spans / lengths
+    return _Marks(
+        points=np.concatenate(points),
+        normals=np.tile(outward, (POINTS_PER_PANEL, 1)),
+    )
 
 
-def _head_of(trial: Trial) -> tuple[np.ndarray, np.ndarray]:
-    """Return where the tip of the head is [m], and where it points [rad], at every sample."""
+def _posture_of(trial: Trial) -> kinematics.Posture:
+    """Return the body in plan at every sample."""
     robot = trial.robot.planar()
-    posture = kinematics.Posture(robot, trial.center_of_mass[:, :2], trial.link_angle)
-    return posture.link_ends[:, -1], trial.link_angle[:, -1]
+    return kinematics.Posture(robot, trial.center_of_mass[:, :2], trial.link_angle)
 
 
 def find_dock(places: tuple[Place, ...]) -> Dock | None:
