@@ -7,7 +7,7 @@ import pytest
 from hypothesis import assume, given, settings, strategies as st
 
 import laticauda as lc
-from laticauda.sensing import Buoy, Dock, Net, Pipeline, Wall, surroundings_of
+from laticauda.sensing import Buoy, Dock, Net, Pipeline, Seabed, Wall, surroundings_of
 
 PLACES = (
     Net(name="pen", center=(4.0, 1.0), radius=1.6),
@@ -125,3 +125,27 @@ def test_a_robot_in_space_touches_places():
     assert np.abs(trial.link_force["contact"][-1]).max() > 0.1
     free = lc.swim("mamba", gait, 6.0, model="spatial", joints="servo")
     assert trial.center_of_mass[-1, 0] < free.center_of_mass[-1, 0] - 0.1
+
+
+def area_of(outline):
+    x, y = outline.T
+    return 0.5 * np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))
+
+
+@pytest.mark.parametrize(
+    ("place", "area"),
+    [
+        (Wall(name="quay", begin=(-3.0, -2.0), end=(1.0, 1.0)), 5.0 * 0.1),
+        (Pipeline(name="level", begin=(0.0, 0.0, -1.0), end=(3.0, 4.0, -1.0)), 5.0 * 0.6),
+        (Pipeline(name="upright", begin=(0.0, 0.0, 0.0), end=(0.0, 0.0, -1.0)), math.pi * 0.3**2),
+        (Buoy(name="buoy", center=(-2.0, 0.5, -0.3)), math.pi * 0.2**2),
+    ],
+    ids=lambda value: getattr(value, "name", ""),
+)
+def test_the_outline_of_a_shape_is_what_is_seen_from_above(place, area):
+    (outline,) = place.outlines()
+    assert area_of(outline) == pytest.approx(area, rel=0.01)
+
+
+def test_the_bed_has_no_outline_since_it_is_everywhere():
+    assert Seabed(depth=3.0).outlines() == ()

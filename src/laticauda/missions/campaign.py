@@ -211,6 +211,9 @@ def make_row(draw: Draw, result: MissionResult) -> MissionRow:
     share_seen = math.nan
     if result.share_seen is not None:
         share_seen = result.share_seen
+    reason = ""
+    if result.changes:
+        reason = result.changes[-1].reason
     return MissionRow(
         seed=draw.seed,
         current=draw.current,
@@ -227,7 +230,7 @@ def make_row(draw: Draw, result: MissionResult) -> MissionRow:
         share_seen=share_seen,
         largest_error=result.largest_error,
         last_phase=result.last_phase,
-        reason=result.changes[-1].reason if result.changes else "",
+        reason=reason,
     )
 
 

@@ -5,14 +5,12 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.patches import Circle, FancyArrowPatch, Polygon, Rectangle
+from matplotlib.patches import FancyArrowPatch, Rectangle
 from matplotlib.path import Path
 
 from laticauda.missions.mission import Mission, Way
 from laticauda.missions.running import MissionResult, mission_of
-from laticauda.scenarios import Scenario
-from laticauda.sensing import Place, Solid
-from laticauda.show.figures import new_panels, style
+from laticauda.show.figures import draw_places, new_panels, outlines_of, places_of, style
 from laticauda.values import name_of
 
 HALF_BOX = 0.75
@@ -23,8 +21,19 @@ ARC_STEP = 0.7
 """Distance of the ways past other phases from each other."""
 PHASE_COLORS = ("#0072B2", "#D55E00", "#009E73", "#E69F00", "#CC79A7", "#56B4E9", "#8A8A8A")
 """Colors of phases on a map, in the order of the table."""
-BOX_CORNERS = ((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0))
-"""Corners of a box in plan, in halves of its sides."""
+MAP_WIDTH = 5.5
+"""Width of a map without its labels [in]."""
+MAP_HEIGHTS = (1.5, 5.0)
+"""Smallest and largest height of a map without its labels [in]."""
+LABELS_HEIGHT = 0.7
+"""Height of its labels [in]."""
+BELIEVED: Any = {
+    "color": style.INK,
+    "linewidth": 0.5,
+    "linestyle": style.DOTTED,
+    "label": "believed",
+}
+"""Look of the way that the robot believed to take."""
 
 
 def draw_phases(mission: Mission) -> Figure:
@@ -137,51 +146,32 @@ def draw_map(result: MissionResult) -> Figure:
         result: The run.
     """
     trial = result.trial
-    scenario = trial.scenario
-    mission = mission_of(scenario)
-    assert isinstance(scenario, Scenario)
-    figure, (panel,) = new_panels(height=4.0)
+    mission = mission_of(trial.scenario)
+    way = trial.center_of_mass[:, :2]
+    places = places_of(trial)
+    width, height = np.ptp(np.vstack((way, *outlines_of(places))), axis=0)
+    map_height = np.clip(MAP_WIDTH * height / width, *MAP_HEIGHTS)
+    figure, (panel,) = new_panels(height=map_height + LABELS_HEIGHT)
     ax: Any = panel
-    for place in scenario.model.places:
-        _draw_place(ax, place)
-    x, y = trial.center_of_mass[:, 0], trial.center_of_mass[:, 1]
-    ax.plot(
-        trial.signals["believed_x"],
-        trial.signals["believed_y"],
-        color=style.INK,
-        linewidth=0.5,
-        linestyle=style.DOTTED,
-        label="believed",
-    )
+    draw_places(ax, places)
+    ax.plot(trial.signals["believed_x"], trial.signals["believed_y"], **BELIEVED)
     phase_of_sample = trial.signals["mission_phase"].astype(int)
     for phase, name in enumerate(mission.phase_names):
         in_phase = phase_of_sample == phase
         if in_phase.any():
-            color = PHASE_COLORS[phase % len(PHASE_COLORS)]
-            part_x = np.where(in_phase, x, np.nan)
-            ax.plot(part_x, np.where(in_phase, y, np.nan), color=color, label=name)
+            part = np.where(in_phase[:, np.newaxis], way, np.nan)
+            ax.plot(*part.T, color=color_of_phase(phase), linestyle=style.SOLID, label=name)
     ax.set_aspect("equal")
     style.style_axes(ax, xlabel="x [m]", ylabel="y [m]")
-    style.add_legend(ax, loc="upper left")
+    handles, _ = ax.get_legend_handles_labels()
+    style.outside_legend(figure, handles, "outside right upper")
     return figure
 
 
-def _draw_place(ax: Any, place: Place) -> None:
-    """Draw a place in plan, with its name."""
-    solids = place.solids()
-    for solid in solids:
-        ax.add_patch(_footprint(solid))
-    centers = np.array([solid.center[:2] for solid in solids])
-    x, y = centers.mean(axis=0).tolist()
-    ax.text(x, y, place.name, ha="center", va="center", fontsize=style.TICK, color=style.GRAY)
+def color_of_phase(phase: int) -> str:
+    """Return the color of a phase on maps and in films.
 
-
-def _footprint(solid: Solid) -> Polygon | Circle:
-    """Return the outline of a shape in plan."""
-    x, y, _ = solid.center
-    if solid.kind != "box":
-        return Circle((x, y), solid.size[0], color=style.GRAY)
-    along = np.array(solid.axes[0][:2]) * solid.size[0]
-    across = np.array(solid.axes[1][:2]) * solid.size[1]
-    corners = [np.array((x, y)) + a * along + b * across for a, b in BOX_CORNERS]
-    return Polygon(corners, closed=True, color=style.INK, linewidth=1.0)
+    Args:
+        phase: Its index in the table.
+    """
+    return PHASE_COLORS[phase % len(PHASE_COLORS)]

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
         Seabed as Seabed,
         Solid as Solid,
         Wall as Wall,
+        Outline as Outline,
         surroundings_of as surroundings_of,
     )
     from laticauda.sensing.sensors import (
@@ -89,7 +90,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
     },
     plain={
         "laticauda.sensing.observed": ["EVALUATE_LOADS"],
-        "laticauda.sensing.places": ["surroundings_of"],
+        "laticauda.sensing.places": ["Outline", "surroundings_of"],
         "laticauda.sensing.sensors": ["senses_of", "signals_of_readings"],
     },
 )

@@ -25,6 +25,7 @@ from laticauda.control import (
 )
 from laticauda.models.simulate import run_scenario, steered, swim_side_by_side
 from laticauda.scenarios import VectorController
+from laticauda.sensing import Altimeter, Compass
 from laticauda.values import value_class
 
 GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
@@ -280,6 +281,8 @@ def test_trials_side_by_side_are_those_of_single_runs_and_end_where_they_arrive(
     laws = [follower(), follower(interval=0.2), OffsetSteps(gait=GAIT, interval=0.5), GAIT]
     scenarios = scenarios_of(laws, joints=lc.JointLaw.of("pd"), dt=None, loop_delay=0.07)
     scenarios[0] = replace(scenarios[0], robot=lc.load_robot("mamba-fin"))
+    with_sensors = replace(scenarios[1].model, sensors=(Compass(), Altimeter()))
+    scenarios[1] = replace(scenarios[1], model=with_sensors)
     ends = np.array([0.02, 0.05, 9.0, 9.0])
 
     def has_arrived(observations, index):

@@ -25,6 +25,7 @@ from laticauda.scenarios import (
     Start,
     kind_of_controller,
 )
+from laticauda.sensing import Sensor, signals_of_readings
 from laticauda.trials import REACHED_END, Trial
 from laticauda.values import packaging
 
@@ -75,8 +76,10 @@ def _swim_in_fleets(
         places_in_order: list[int] = []
         for member in members:
             places_in_order += member
-        index = np.array([indices[place] for place in places_in_order])
-        watch = _Watch(index, has_arrived)
+        members_in_order = [indices[place] for place in places_in_order]
+        sensors = [scenarios[i].model.sensors for i in members_in_order]
+        index = np.array(members_in_order)
+        watch = _Watch(index, has_arrived, sensors)
         runs_of_fleets: list[list[Run]] = []
         for member in members:
             runs_of_fleets.append([runs[place] for place in member])
@@ -100,7 +103,9 @@ def _swim_in_fleets(
                 continue
             n_intervals = n_finished or sampling.n_intervals
             i = int(index[column])
-            sampled_signals = _sample_signals(signals, column, n_intervals, sampling)
+            signals_of_robot = {name: values[:, column] for name, values in signals.items()}
+            signals_of_robot |= watch.signals_of_sensors(column)
+            sampled_signals = _sample_signals(signals_of_robot, n_intervals, sampling)
             trials[i] = _trial_of(scenarios[i], fleet, robot, n_intervals, sampled_signals)
     return trials
 
@@ -138,11 +143,20 @@ class _Watch:
     Args:
         index: Index of each robot's scenario.
         has_arrived: Says which robots have come to an end; None: none does.
+        sensors: The sensors of each robot.
     """
 
-    def __init__(self, index: np.ndarray, has_arrived: HasArrived | None) -> None:
+    def __init__(
+        self,
+        index: np.ndarray,
+        has_arrived: HasArrived | None,
+        sensors: Sequence[Sequence[Sensor]],
+    ) -> None:
         self._index = index
         self._has_arrived = has_arrived
+        self._sensors = sensors
+        self._readings: list[list[Mapping[str, float]]] = [[] for _ in sensors]
+        """What the sensors of each robot told at every instant."""
         self.signals: list[Mapping[str, np.ndarray]] = []
         """Signals of the controllers at every instant."""
         self.n_finished = np.zeros(index.size, dtype=int)
@@ -152,6 +166,17 @@ class _Watch:
         """Return the signals by name: one row per instant, one column per robot."""
         names = self.signals[0]
         return {name: np.stack([signals[name] for signals in self.signals]) for name in names}
+
+    def signals_of_sensors(self, robot: int) -> dict[str, Float[np.ndarray, " n_instants"]]:
+        """Return what the sensors of a robot told at every instant, by the names that logs give it.
+
+        Args:
+            robot: Index of the robot in the fleet.
+        """
+        readings = self._readings[robot]
+        if not readings:
+            return {}
+        return {name: np.array([reading[name] for reading in readings]) for name in readings[0]}
 
     def look(
         self, observations: Observations, signals: Mapping[str, np.ndarray]
@@ -164,6 +189,10 @@ class _Watch:
         """
         n_before = len(self.signals)
         self.signals.append(signals)
+        for robot, sensors in enumerate(self._sensors):
+            if sensors and observations.is_well[robot]:
+                readings = observations.of_robot(robot).readings
+                self._readings[robot].append(signals_of_readings(sensors, readings))
         if self._has_arrived is None or n_before == 0:
             return self.n_finished > 0
         arrives = self._has_arrived(observations, self._index) & observations.is_well
@@ -172,7 +201,7 @@ class _Watch:
 
 
 def _sample_signals(
-    signals: Mapping[str, np.ndarray], column: int, n_intervals: int, sampling: Sampling
+    signals: Mapping[str, np.ndarray], n_intervals: int, sampling: Sampling
 ) -> dict[str, np.ndarray]:
     """Return the signals of one robot at every sample: those of the control instant before it, or at it.
 
@@ -181,7 +210,7 @@ def _sample_signals(
     n_samples = 1 + n_intervals * sampling.samples_per_interval
     instants = np.arange(n_samples) // sampling.samples_per_interval
     instants = np.minimum(instants, n_intervals - 1)
-    return {name: values[instants, column] for name, values in signals.items()}
+    return {name: values[instants] for name, values in signals.items()}
 
 
 def _trial_of(

@@ -12,7 +12,12 @@ from laticauda.sensing.places.place import (
     Surroundings as Surroundings,
     surroundings_of as surroundings_of,
 )
-from laticauda.sensing.places.solids import Hits as Hits, Solid as Solid, Solids as Solids
+from laticauda.sensing.places.solids import (
+    Hits as Hits,
+    Outline as Outline,
+    Solid as Solid,
+    Solids as Solids,
+)
 from laticauda.sensing.places.structures import (
     Buoy as Buoy,
     Net as Net,

@@ -5,7 +5,7 @@ from functools import lru_cache
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.sensing.places.solids import Solid, Solids
+from laticauda.sensing.places.solids import Outline, Solid, Solids
 from laticauda.values import BadArgument, Extensible, check_label, option, value_class
 
 
@@ -23,6 +23,10 @@ class Place(Extensible, group="places"):
     def solids(self) -> tuple[Solid, ...]:
         """Return the solid shapes of which it consists."""
         raise NotImplementedError
+
+    def outlines(self) -> tuple[Outline, ...]:
+        """Return the outline of every shape as seen from above, for maps [m]."""
+        return tuple(solid.outline() for solid in self.solids())
 
 
 class Surroundings:

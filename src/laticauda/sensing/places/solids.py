@@ -4,6 +4,7 @@ All shapes of one kind are computed together, as arrays: a ray is transformed in
 shape, where the intersection has a formula. The models in space build the same shapes as geoms.
 """
 
+import itertools
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
@@ -16,9 +17,16 @@ Three: TypeAlias = tuple[float, float, float]
 ShapeKind: TypeAlias = Literal["box", "cylinder", "sphere"]
 Points: TypeAlias = Float[np.ndarray, "n_points 3"]
 Directions: TypeAlias = Float[np.ndarray, "n_rays 3"]
+Outline: TypeAlias = Float[np.ndarray, "_ 2"]
 
 TINY = 1e-12
 """Smallest component of a direction by which is divided [-]."""
+N_AROUND = 48
+"""Points around a round shape in its outline."""
+BOX_CORNERS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
+"""Corners of a box, in halves of its sides."""
+DIGITS_OF_CORNERS = 9
+"""Decimals of outlines, so that points one above the other are one corner."""
 
 
 class Solid(NamedTuple):
@@ -32,6 +40,62 @@ class Solid(NamedTuple):
     third axis; of a sphere: radius, three times [m]."""
     axes: tuple[Three, Three, Three] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
     """Its three axes, orthogonal and of length 1, world axes [-]."""
+
+    def outline(self) -> Outline:
+        """Return what is seen of it from above: the corners of a convex polygon, counter-clockwise [m]."""
+        points = np.array(self.center) + _extreme_points(self) @ np.array(self.axes)
+        return _convex_hull(points[:, :2])
+
+
+def _extreme_points(solid: Solid) -> Points:
+    """Return corners of a box or points around the ends of a round shape, in its own axes from its middle [m]."""
+    if solid.kind == "box":
+        return BOX_CORNERS * solid.size
+    radius, _, half_length = solid.size
+    ring = radius * _points_around()
+    if solid.kind == "sphere":
+        return ring
+    to_end = np.array((0.0, 0.0, half_length))
+    return np.concatenate((ring - to_end, ring + to_end))
+
+
+def _points_around() -> Points:
+    """Return points of a circle of radius 1 around the third axis."""
+    angles = np.linspace(0.0, 2.0 * math.pi, N_AROUND, endpoint=False)
+    points = np.zeros((N_AROUND, 3))
+    points[:, 0] = np.cos(angles)
+    points[:, 1] = np.sin(angles)
+    return points
+
+
+def _convex_hull(points: Float[np.ndarray, "n_points 2"]) -> Outline:
+    """Return those of some points that are the corners of their convex hull, counter-clockwise."""
+    rounded = np.round(points, DIGITS_OF_CORNERS)
+    different_points = np.unique(rounded, axis=0)
+    from_left: list[list[float]] = different_points.tolist()
+    from_right = from_left[::-1]
+    below = _boundary(from_left)
+    above = _boundary(from_right)
+    return np.array(below[:-1] + above[:-1])
+
+
+def _boundary(points: list[list[float]]) -> list[list[float]]:
+    """Return the corners of the convex hull of sorted points that lie to the right of the way along them."""
+    corners: list[list[float]] = []
+    for point in points:
+        while len(corners) >= 2 and not _turns_left(corners[-2], corners[-1], point):
+            corners.pop()
+        corners.append(point)
+    return corners
+
+
+def _turns_left(begin: list[float], middle: list[float], end: list[float]) -> bool:
+    """Return whether the way over three points turns left at the middle one."""
+    along_x = middle[0] - begin[0]
+    along_y = middle[1] - begin[1]
+    onward_x = end[0] - middle[0]
+    onward_y = end[1] - middle[1]
+    return along_x * onward_y > along_y * onward_x
 
 
 class Solids:

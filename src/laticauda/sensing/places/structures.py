@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from laticauda.sensing.places.place import Place
-from laticauda.sensing.places.solids import Solid, Three
+from laticauda.sensing.places.solids import Outline, Solid, Three
 from laticauda.values import BadArgument, check_label, option, quantity, value_class
 
 FREEBOARD = 0.5
@@ -128,6 +128,10 @@ class Seabed(Place):
         """See `Place`."""
         center = (0.0, 0.0, -self.depth - BED_HALF_THICKNESS)
         return (Solid("box", center, (BED_HALF_EXTENT, BED_HALF_EXTENT, BED_HALF_THICKNESS)),)
+
+    def outlines(self) -> tuple[Outline, ...]:
+        """Return no outline: the bed is everywhere."""
+        return ()
 
 
 def upright_panel(

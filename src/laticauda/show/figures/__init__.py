@@ -3,6 +3,7 @@
 style     sizes, colors and labels of all figures
 posture   the body, true to scale
 water     the motion of the water under a path
+places    what stands in the water: nets, walls, pipes, docks, buoys
 path      the path of a run, with postures along it
 swim      speed, joint angles and torques; the sheet of a run
 follow    the sheet of a run that followed a path
@@ -20,6 +21,11 @@ from laticauda.values import lazy_exports
 if TYPE_CHECKING:
     from laticauda.show.figures.film import Film as Film, swim_film as swim_film
     from laticauda.show.figures.path import path_extent as path_extent, path_strip as path_strip
+    from laticauda.show.figures.places import (
+        draw_places as draw_places,
+        outlines_of as outlines_of,
+        places_of as places_of,
+    )
     from laticauda.show.figures.several import plot_overlay as plot_overlay
     from laticauda.show.figures.sweep import sweep_sheet as sweep_sheet
     from laticauda.show.figures.style import (
@@ -43,6 +49,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
     {
         "laticauda.show.figures.film": ["Film", "swim_film"],
         "laticauda.show.figures.path": ["path_extent", "path_strip"],
+        "laticauda.show.figures.places": ["draw_places", "outlines_of", "places_of"],
         "laticauda.show.figures.several": ["plot_overlay"],
         "laticauda.show.figures.sweep": ["sweep_sheet"],
         "laticauda.show.figures.style": [

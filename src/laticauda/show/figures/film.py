@@ -17,6 +17,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from laticauda.show.figures import style
+from laticauda.show.figures.places import draw_places, outlines_of, places_of
 from laticauda.show.figures.posture import draw_posture, outline
 from laticauda.show.figures.swim import title_of
 from laticauda.show.figures.water import draw_water
@@ -140,7 +141,7 @@ def swim_film(trial: Trial, *, speed: float = 1.0, frames_per_second: float = 15
     following_samples = np.searchsorted(trial.time, moments - 1e-9)
     samples = np.clip(following_samples, 0, trial.time.size - 1).tolist()
     bodies = {sample: outline(trial.chain, trial, sample) for sample in samples}
-    corners = np.vstack([*bodies.values()])
+    corners = np.vstack([*bodies.values(), *outlines_of(places_of(trial))])
     width, height = np.ptp(corners, axis=0)
     plan_height = np.clip(style.DOUBLE_COLUMN * height / width, *PLAN_HEIGHTS)
     figure = style.new_figure(style.DOUBLE_COLUMN, plan_height + LABELS_HEIGHT)
@@ -151,6 +152,7 @@ def swim_film(trial: Trial, *, speed: float = 1.0, frames_per_second: float = 15
     title_text = style.add_title(figure, title, "0 s")
     if "cross_track_error" in trial.signals:
         ax.plot(*following.nearest_points(trial).T, zorder=0.5, **style.AIM)
+    draw_places(ax, places_of(trial))
     has_field = draw_water(trial, ax)
     ax.set_aspect("equal", adjustable="box" if has_field else "datalim")
     style.freeze_layout(figure)

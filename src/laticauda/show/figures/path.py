@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
 
 from laticauda.show.figures import style
+from laticauda.show.figures.places import draw_places, outlines_of, places_of
 from laticauda.show.figures.posture import (
     Point,
     Points,
@@ -50,20 +51,22 @@ def path_strip(trial: Trial, ax: Axes | None = None) -> Axes:
     y = trial.center_of_mass[:, 1]
     ax.plot(x, y, color=style.INK, linewidth=0.8, zorder=4, label="center of mass")
     ax.plot(x[:1], y[:1], color=style.INK, marker="o", markersize=3, zorder=4)
+    draw_places(ax, places_of(trial))
     has_field = draw_water(trial, ax)
     ax.set_aspect("equal", adjustable="box" if has_field else "datalim")
     return style.style_axes(ax, xlabel="x [m]", ylabel="y [m]")
 
 
 def path_extent(trial: Trial) -> tuple[float, float]:
-    """Return the width and height of path and postures, with space for the times [m].
+    """Return the width and height of path, postures and places, with space for the times [m].
 
     Args:
         trial: Any trial.
     """
     robot = trial.chain
     bodies = [outline(robot, trial, sample) for sample in choose_instants(trial)]
-    width, height = np.ptp(np.vstack([*bodies, trial.center_of_mass[:, :2]]), axis=0)
+    shown = [*bodies, trial.center_of_mass[:, :2], *outlines_of(places_of(trial))]
+    width, height = np.ptp(np.vstack(shown), axis=0)
     margins = 2.0 * MARGIN * max(width, height)
     return float(width + margins), float(height + margins)
 
