@@ -16,7 +16,8 @@ from dataclasses import asdict
 from pathlib import Path
 
 from laticauda.missions import load_mission
-from laticauda.missions.campaign import Conditions, read_rows, run_campaign, summarize_campaign
+from laticauda.missions.campaign import Conditions, run_campaign, summarize_campaign
+from laticauda.missions.campaign_table import read_rows
 
 STORED = Path(__file__).with_suffix(".csv")
 N_SEEDS = 1000

@@ -28,7 +28,8 @@ from laticauda.missions import (
     run_missions,
     summarize_campaign,
 )
-from laticauda.missions.campaign import read_rows, wilson_interval
+from laticauda.missions.campaign import wilson_interval
+from laticauda.missions.campaign_table import read_rows
 from laticauda.missions.posture import bend_of_head, find_posture
 from laticauda.robot import kinematics
 from laticauda.sensing import SensorFault

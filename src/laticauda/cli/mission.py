@@ -1,7 +1,6 @@
 """`laticauda mission`: a robot on a mission, once, under drawn conditions, or many times."""
 
 from dataclasses import asdict, fields, replace
-from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from laticauda.cli.command import Command, Outcome
@@ -13,25 +12,37 @@ from laticauda.cli.flags import (
     PresetArgument,
     TrialOutput,
 )
+from laticauda.cli.progress import stored_trials
 from laticauda.cli.scene import warn_of_compiling
+from laticauda.cli.shared_options import (
+    check_way_of_running,
+    merge_option,
+    scheduler_option,
+    share_option,
+)
 from laticauda.cli.tables import wrap_rows
 from laticauda.missions import (
     CampaignSummary,
     Conditions,
+    MergedCampaign,
     Mission,
     MissionResult,
+    MissionRow,
     change_scenario,
     draw_conditions,
     draw_map,
     draw_phases,
     list_missions,
     load_mission,
+    merge_campaign,
     run_campaign,
     run_mission,
     summarize_campaign,
 )
+from laticauda.models.simulate import connected
 from laticauda.scenarios import MODELS, Model, Planar, Scenario
 from laticauda.show.figures import save_figure
+from laticauda.studies import Share, parse_share
 from laticauda.values import option, quantity, to_plain, value_class
 
 NEVER_FAILING = ("battery",)
@@ -61,6 +72,9 @@ class RunMission(Command):
     table: Annotated[File, OutputFile((".csv",))] = option(
         "Table of the campaign's runs, which a stopped campaign goes on with", default=None
     )
+    scheduler: str | None = scheduler_option()
+    share: str | None = share_option("table", "--table")
+    merge: bool = merge_option("--table")
     save: TrialOutput = option("Write the trial to this file", default=None)
     plot: PictureOutput = option("Draw a map of the run to this file", default=None)
     diagram: PictureOutput = option("Draw the phases to this file", default=None)
@@ -75,9 +89,11 @@ class RunMission(Command):
         assert isinstance(mission, Mission)
         if self.diagram is not None:
             save_figure(draw_phases(mission), self.diagram)
-        warn_of_compiling(scenario.environment, scenario.model, scenario.robot)
-        if self.runs is not None:
-            return self._run_campaign(scenario, self.runs)
+        self._check_way_of_running()
+        if self.scheduler is None and not self.merge:
+            warn_of_compiling(scenario.environment, scenario.model, scenario.robot)
+        if self.runs is not None and self.table is not None:
+            return self._run_campaign(scenario, range(self.runs), self.table)
         if self.seed is not None:
             conditions = _conditions_of(scenario)
             draw = draw_conditions(conditions, self.seed)
@@ -98,18 +114,78 @@ class RunMission(Command):
             scenario = replace(scenario, model=_as_model(scenario.model, self.model))
         return scenario
 
-    def _run_campaign(self, scenario: Scenario, n_runs: int) -> Outcome:
-        """Run a campaign, and report what it shows."""
+    def _check_way_of_running(self) -> None:
+        """Refuse options that contradict each other."""
+        if self.runs is None:
+            is_of_campaigns = self.scheduler is not None or self.share is not None or self.merge
+            if is_of_campaigns:
+                raise BadFlag(
+                    "--scheduler, --share and --merge must be given together with --runs."
+                )
+            return
         if self.table is None:
             raise BadFlag("--runs must be given together with --table FILE.csv.")
         if self.seed is not None or self.save is not None or self.plot is not None:
             raise BadFlag(
                 "--seed, --save and --plot must be left out with --runs, for one run only."
             )
-        conditions = _conditions_of(scenario)
-        rows = run_campaign(scenario, conditions, range(n_runs), Path(self.table))
+        check_way_of_running(self.share, self.scheduler, merge=self.merge)
+
+    def _run_campaign(self, scenario: Scenario, seeds: range, table: str) -> Outcome:
+        """Run a campaign, or a share of it, or merge its shares, and report what it shows."""
+        if self.share is not None:
+            return self._run_share(scenario, seeds, table, parse_share(self.share))
+        if self.merge:
+            merged = merge_campaign(table, seeds)
+            if merged.n_done < len(seeds):
+                return _report_unfinished(merged, seeds, table)
+            rows = merged.rows
+        else:
+            rows = self._run_seeds(scenario, seeds, table)
         summary = summarize_campaign(rows)
         return Outcome(facts=to_plain(asdict(summary)), text=_describe_campaign(summary))
+
+    def _run_seeds(
+        self, scenario: Scenario, seeds: range, table: str, share: Share | None = None
+    ) -> list[MissionRow]:
+        """Run what is not stored yet of a campaign, or of a share; return all rows of its table."""
+        conditions = _conditions_of(scenario)
+        written = table if share is None else share.file(table)
+        with stored_trials(written) as show, connected(self.scheduler) as client:
+            return run_campaign(
+                scenario, conditions, seeds, table, progress=show, client=client, share=share
+            )
+
+    def _run_share(self, scenario: Scenario, seeds: range, table: str, share: Share) -> Outcome:
+        """Run a share, and report how many of the runs it has."""
+        rows = self._run_seeds(scenario, seeds, table, share)
+        status = f"Share {share}: {len(rows)} of {len(seeds)} runs are in {share.file(table)}."
+        facts = {
+            "status": status,
+            "n_runs": len(seeds),
+            "n_done": len(rows),
+            "table": str(share.file(table)),
+        }
+        text = f"{status}\nWhen all shares are done: the same command with --merge for --share."
+        return Outcome(facts=facts, text=text)
+
+
+def _report_unfinished(merged: MergedCampaign, seeds: range, table: str) -> Outcome:
+    """Report which shares are missing in a table that they were merged in."""
+    missing = ", ".join(str(share) for share in merged.unfinished)
+    status = (
+        f"{merged.n_done} of {len(seeds)} runs are in {table}: not finished yet are the shares "
+        f"{missing}."
+    )
+    facts: dict[str, Any] = {
+        "status": status,
+        "n_runs": len(seeds),
+        "n_done": merged.n_done,
+        "unfinished": [asdict(share) for share in merged.unfinished],
+        "table": table,
+    }
+    advice = "Run them, and merge again; or run the same command without --merge, which does the rest here."
+    return Outcome(facts=facts, text=f"{status}\n{advice}", succeeded=False)
 
 
 def _as_model(model: Model, name: str) -> Model:

@@ -28,6 +28,44 @@ def scheduler_option() -> str | None:
     return option("Run on a Dask cluster: its scheduler, such as tcp://host:8786", default=None)
 
 
+def share_option(kept_in: str, whole: str) -> str | None:
+    """Declare the share of a study that a command runs, as one job of an array.
+
+    Args:
+        kept_in: What holds a share: a folder or a table.
+        whole: Option that names what holds the whole study.
+    """
+    text = (
+        f"Run share K of N only, given as K/N, in a {kept_in} of its own beside {whole}, as one job of an array; "
+        "--merge puts all shares together"
+    )
+    return option(text, default=None)
+
+
+def merge_option(whole: str) -> bool:
+    """Declare that a command puts shares together.
+
+    Args:
+        whole: Option that names what holds the whole study.
+    """
+    text = f"Put the shares that lie beside {whole} together in it, instead of running anything"
+    return option(text, default=False)
+
+
+def check_way_of_running(share: str | None, scheduler: str | None, *, merge: bool) -> None:
+    """Refuse options of studies that contradict each other.
+
+    Args:
+        share: What `--share` says.
+        scheduler: What `--scheduler` says.
+        merge: Whether `--merge` is given.
+    """
+    if share is not None and merge:
+        raise BadArgument("share", "must not be given together with --merge: first all shares")
+    if merge and scheduler is not None:
+        raise BadArgument("scheduler", "must not be given with --merge, which runs no trial")
+
+
 def threads_option(text: str = "Trials to run in parallel") -> int | None:
     """Declare the number of trials that run at a time.
 

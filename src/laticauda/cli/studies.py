@@ -18,7 +18,12 @@ from laticauda.cli.command import Outcome
 from laticauda.cli.flags import File, Folder, PictureOutput, Words
 from laticauda.cli.progress import stored_trials
 from laticauda.cli.scene import warn_of_compiling
-from laticauda.cli.shared_options import scheduler_option
+from laticauda.cli.shared_options import (
+    check_way_of_running,
+    merge_option,
+    scheduler_option,
+    share_option,
+)
 from laticauda.cli.tables import format_figure
 from laticauda.cli.vary import (
     FORM,
@@ -96,15 +101,8 @@ class Sweep(Study):
         "Take the points from this CSV file instead; its first line has the names", default=None
     )
     scheduler: str | None = scheduler_option()
-    share: str | None = option(
-        "Run share K of N only, given as K/N, in a folder of its own beside --output, as one job of an array; "
-        "--merge puts all shares together",
-        default=None,
-    )
-    merge: bool = option(
-        "Put the shares that lie beside --output together in it, instead of running anything",
-        default=False,
-    )
+    share: str | None = share_option("folder", "--output")
+    merge: bool = merge_option("--output")
     output: Folder = option(
         "Folder of results, where the same command resumes after a stop", default="sweep"
     )
@@ -146,12 +144,9 @@ class Sweep(Study):
 
     def _check_way_of_running(self) -> None:
         """Refuse options that contradict each other."""
-        if self.share is not None and self.merge:
-            raise BadArgument("share", "must not be given together with --merge: first all shares")
+        check_way_of_running(self.share, self.scheduler, merge=self.merge)
         if self.share is not None and self.plot is not None:
             raise BadArgument("plot", "must not be given with --share, but with --merge")
-        if self.merge and self.scheduler is not None:
-            raise BadArgument("scheduler", "must not be given with --merge, which runs no trial")
 
     def _run(self, sweep: studies.Sweep, share: Share | None) -> str:
         """Run all trials of the sweep, or of a share, that are not stored yet; return their folder."""
@@ -264,7 +259,7 @@ class Sweep(Study):
 
 def _report_unfinished(sweep: studies.Sweep, merged: Merged, output: str) -> Outcome:
     """Report which shares are missing in a folder that they were merged in."""
-    missing = ", ".join(f"{share.number}/{share.count}" for share in merged.unfinished)
+    missing = ", ".join(str(share) for share in merged.unfinished)
     status = (
         f"{merged.n_done} of {sweep.n_trials} trials are in {output}: "
         f"not finished yet are the shares {missing}."

@@ -11,6 +11,7 @@ mission.py     the table of phases, which is a controller
 running.py     runs of missions, and what came of them
 inspection.py  how near the body came to places, and what was seen of a net
 campaign.py    one mission in many waters, with sensors that fail
+campaign_table.py  the rows of a campaign in a CSV file
 drawing.py     pictures: the table as a diagram, a run as a map
 files.py       missions as files, in TOML
 """
@@ -36,11 +37,14 @@ if TYPE_CHECKING:
     from laticauda.missions.campaign import (
         CampaignSummary as CampaignSummary,
         Conditions as Conditions,
+        MergedCampaign as MergedCampaign,
         change_scenario as change_scenario,
         draw_conditions as draw_conditions,
+        merge_campaign as merge_campaign,
         run_campaign as run_campaign,
         summarize_campaign as summarize_campaign,
     )
+    from laticauda.missions.campaign_table import MissionRow as MissionRow
     from laticauda.missions.drawing import draw_map as draw_map, draw_phases as draw_phases
     from laticauda.missions.estimate import Echo as Echo, Estimate as Estimate
     from laticauda.missions.files import (
@@ -88,11 +92,14 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.missions.campaign": [
             "CampaignSummary",
             "Conditions",
+            "MergedCampaign",
             "change_scenario",
             "draw_conditions",
+            "merge_campaign",
             "run_campaign",
             "summarize_campaign",
         ],
+        "laticauda.missions.campaign_table": ["MissionRow"],
         "laticauda.missions.drawing": ["draw_map", "draw_phases"],
         "laticauda.missions.estimate": ["Echo", "Estimate"],
         "laticauda.missions.files": ["list_missions", "load_mission"],

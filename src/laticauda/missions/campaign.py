@@ -1,18 +1,24 @@
-"""Campaigns: one mission in many waters, from many starts, with sensors that fail; each by a seed."""
+"""Campaigns: one mission in many waters, from many starts, with sensors that fail; each by a seed.
 
-import csv
+`laticauda.missions.campaign_table` keeps the rows.
+"""
+
 import math
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass, fields, replace
+from collections.abc import Generator, Sequence
+from contextlib import closing
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from laticauda.missions.campaign_table import MissionRow, open_table
 from laticauda.missions.running import MissionResult, run_missions
+from laticauda.models.simulate import cluster, silent
 from laticauda.robot import Water
 from laticauda.scenarios import Scenario, Start
 from laticauda.sensing import Sensor, SensorFault
+from laticauda.studies import GO_ON, Progress, Share, find_shares, list_shares
 from laticauda.values import BadArgument, option, quantity, value_class
 from laticauda.water.fluid.flow import Flow
 
@@ -43,43 +49,6 @@ class Conditions:
     fault_duration: tuple[float, float] = quantity(
         "s", "Shortest and longest time for which it fails", gt=0.0, default=(10.0, 40.0)
     )
-
-
-@dataclass(frozen=True, kw_only=True)
-class MissionRow:
-    """One run of a campaign: what was drawn, and what came of it."""
-
-    seed: int
-    current: float
-    """Speed of the current [m/s]."""
-    current_direction: float
-    """Where it flows to [rad]."""
-    wave_height: float
-    """Height of the waves [m]."""
-    wave_period: float
-    """Their period [s]."""
-    failing: str
-    """Sensor that failed."""
-    fault: str
-    """How."""
-    fault_begin: float
-    """From when on [s]."""
-    fault_end: float
-    """Until when [s]."""
-    is_docked: int
-    """1 if the dock has caught the robot."""
-    duration: float
-    """How long it took [s]."""
-    clearance: float
-    """How near the body came to anything but the dock [m]."""
-    share_seen: float
-    """Share of the net that was seen."""
-    largest_error: float
-    """Largest error of the believed position [m]."""
-    last_phase: str
-    """The phase in which it ended."""
-    reason: str
-    """Why that began."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -238,11 +207,18 @@ def run_campaign(
     scenario: Scenario,
     conditions: Conditions,
     seeds: Sequence[int],
-    path: Path,
+    path: str | Path,
     *,
     at_once: int = 16,
+    progress: Progress = silent,
+    client: Any = None,
+    share: Share | None = None,
 ) -> list[MissionRow]:
     """Run a mission with many seeds; a file holds the rows, and a stopped campaign goes on where it was.
+
+    A run comes to the same row whoever computes it (on processors of one kind), and a finished
+    table is sorted by seed: so it holds the same bytes after a kill, from a cluster, and from
+    shares that were merged.
 
     Args:
         scenario: The mission.
@@ -250,66 +226,122 @@ def run_campaign(
         seeds: The seeds.
         path: CSV file of the rows.
         at_once: Runs that are computed side by side.
+        progress: Called at the start and whenever runs are stored with their number and the total.
+        client: A `dask.distributed.Client`: the runs are computed on its cluster. None computes
+            them in this process.
+        share: Only this share of the seeds, in a file of its own, see `Share.file`; all shares are
+            put together by `merge_campaign`. None runs all of them.
+
+    Returns:
+        All rows of the file.
+
+    Raises:
+        ValueError: If the file is no table of a campaign, or another process writes to it.
+        StorageFailed: If it cannot be written. Nothing that was stored is lost.
+        ClusterFailed: If the cluster's scheduler goes away, or workers die repeatedly. Nothing that
+            was stored is lost.
     """
-    done = {row.seed for row in read_rows(path)}
-    left = [seed for seed in seeds if seed not in done]
-    for begin in range(0, len(left), at_once):
-        seeds_at_once = left[begin : begin + at_once]
-        draws = [draw_conditions(conditions, seed) for seed in seeds_at_once]
-        scenarios = [change_scenario(scenario, conditions, draw) for draw in draws]
-        results = run_missions(scenarios)
-        rows = [make_row(*pair) for pair in zip(draws, results, strict=True)]
-        append_rows(path, rows)
-    return read_rows(path)
+    table_path = Path(path)
+    if share is not None:
+        seeds = seeds_of_share(share, seeds)
+        table_path = share.file(table_path)
+    with open_table(table_path) as table:
+        done = table.seeds
+        left = [seed for seed in seeds if seed not in done]
+        n_wanted = len(seeds)
+        n_stored = n_wanted - len(left)
+        progress(n_stored, n_wanted)
+        with closing(_run_batches(scenario, conditions, left, at_once, client)) as batches:
+            for rows in batches:
+                table.append(rows)
+                n_stored += len(rows)
+                progress(n_stored, n_wanted)
+        table.sort()
+        return table.rows
 
 
-def read_rows(path: Path) -> list[MissionRow]:
-    """Return the rows of a campaign's file; none if there is no file.
+def _run_batches(
+    scenario: Scenario, conditions: Conditions, seeds: Sequence[int], at_once: int, client: Any
+) -> Generator[list[MissionRow]]:
+    """Yield the rows of some seeds at a time, in order of completion."""
+    size = at_once
+    if client is not None and seeds:
+        # No thread of the cluster is to wait for others.
+        n_threads = max(cluster.count_threads(client, GO_ON), 1)
+        size = min(at_once, math.ceil(len(seeds) / n_threads))
+    calls: list[tuple[Scenario, Conditions, Sequence[int]]] = []
+    for begin in range(0, len(seeds), size):
+        calls.append((scenario, conditions, seeds[begin : begin + size]))
+    if client is None:
+        for call in calls:
+            yield run_seeds(*call)
+        return
+    for _, rows in cluster.call_on(client, run_seeds, enumerate(calls), GO_ON):
+        yield rows
+
+
+def run_seeds(scenario: Scenario, conditions: Conditions, seeds: Sequence[int]) -> list[MissionRow]:
+    """Return the rows of some runs of a campaign.
 
     Args:
-        path: The file.
+        scenario: The mission.
+        conditions: What differs.
+        seeds: The seeds of the runs.
     """
-    if not path.exists():
-        return []
-    kinds = {field.name: field.type for field in fields(MissionRow)}
-    rows: list[MissionRow] = []
-    with path.open(newline="", encoding="utf-8") as file:
-        for texts in csv.DictReader(file):
-            values: dict[str, Any] = {
-                name: _value_of(kinds[name], text) for name, text in texts.items()
-            }
-            rows.append(MissionRow(**values))
-    return rows
+    draws = [draw_conditions(conditions, seed) for seed in seeds]
+    results = run_missions([change_scenario(scenario, conditions, draw) for draw in draws])
+    return [make_row(draw, result) for draw, result in zip(draws, results, strict=True)]
 
 
-def _value_of(kind: object, text: str) -> str | int | float:
-    """Return the value of a field in a file."""
-    if kind is int:
-        return int(text)
-    if kind is float:
-        return float(text)
-    return text
-
-
-def append_rows(path: Path, rows: Sequence[MissionRow]) -> None:
-    """Append rows to a campaign's file; a new file gets its header first.
+def seeds_of_share(share: Share, seeds: Sequence[int]) -> Sequence[int]:
+    """Return the seeds of a share: every n-th, so that a larger campaign keeps the rows of a smaller one.
 
     Args:
-        path: The file.
-        rows: The rows.
+        share: The share.
+        seeds: All seeds of the campaign.
     """
-    is_new = not path.exists()
-    names = [field.name for field in fields(MissionRow)]
-    with path.open("a", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, names, lineterminator="\n")
-        if is_new:
-            writer.writeheader()
-        for row in rows:
-            values = {
-                name: f"{value:.5g}" if isinstance(value, float) else value
-                for name, value in asdict(row).items()
-            }
-            writer.writerow(values)
+    return seeds[share.number - 1 :: share.count]
+
+
+@dataclass(frozen=True, kw_only=True)
+class MergedCampaign:
+    """What came of a merger of a campaign's shares."""
+
+    rows: list[MissionRow]
+    """All rows of the merged table."""
+    n_done: int
+    """Runs of the campaign that are in it."""
+    unfinished: tuple[Share, ...]
+    """Shares that are missing, or that are there, but not finished."""
+
+
+def merge_campaign(path: str | Path, seeds: Sequence[int]) -> MergedCampaign:
+    """Put the shares of a campaign together; what is there already is kept, and what is missing can follow.
+
+    Args:
+        path: CSV file of the whole campaign; the shares lie beside it, see `Share.file`.
+        seeds: All seeds of the campaign.
+
+    Raises:
+        ValueError: If there is no share beside the file, one is no table of a campaign, or another
+            process writes to one of them.
+        StorageFailed: If the file cannot be written. Nothing that was stored is lost.
+    """
+    stored_shares = find_shares(path, suffix=Path(path).suffix)
+    with open_table(Path(path)) as table:
+        for stored_share in stored_shares:
+            with open_table(stored_share.path) as share_table:
+                done = table.seeds
+                table.append([row for row in share_table.rows if row.seed not in done])
+        table.sort()
+    done = table.seeds
+    unfinished: list[Share] = []
+    for share in list_shares(stored_shares):
+        if not done.issuperset(seeds_of_share(share, seeds)):
+            unfinished.append(share)
+    return MergedCampaign(
+        rows=table.rows, n_done=len(done.intersection(seeds)), unfinished=tuple(unfinished)
+    )
 
 
 @dataclass(frozen=True, kw_only=True)

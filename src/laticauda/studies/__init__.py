@@ -46,6 +46,9 @@ if TYPE_CHECKING:
         Share as Share,
         merge_shares as merge_shares,
         Merged as Merged,
+        StoredShare as StoredShare,
+        find_shares as find_shares,
+        list_shares as list_shares,
         parse_share as parse_share,
     )
     from laticauda.studies.stored_sweep import (
@@ -69,6 +72,8 @@ if TYPE_CHECKING:
         swim_points as swim_points,
         swum_figure as swum_figure,
     )
+    from laticauda.studies.folder import storage as storage
+    from laticauda.studies.remote_points import GO_ON as GO_ON
 
 __getattr__, __dir__, __all__ = lazy_exports(
     __name__,
@@ -102,7 +107,15 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "swum_figure",
         ],
         "laticauda.studies.sampling": ["Points"],
-        "laticauda.studies.sharing": ["Merged", "parse_share"],
+        "laticauda.studies.folder": ["storage"],
+        "laticauda.studies.remote_points": ["GO_ON"],
+        "laticauda.studies.sharing": [
+            "Merged",
+            "StoredShare",
+            "find_shares",
+            "list_shares",
+            "parse_share",
+        ],
     },
     renamed={"best": "best_points", "unbeaten": "pareto_front"},
 )

@@ -12,9 +12,10 @@ gaits, lie side by side, and all shares get some of them. A region comes to the 
 is computed (on processors of one kind), so a merged folder is that of a sweep which ran in one go.
 """
 
+import glob
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -66,6 +67,10 @@ class Share:
             rule = f"must be at most `count`, {self.count}, got {self.number}"
             raise BadArgument("number", rule)
 
+    def __str__(self) -> str:
+        """Return the share as it is written for `parse_share`."""
+        return f"{self.number}/{self.count}"
+
     def has_region(self, index: int) -> bool:
         """Return whether a region is part of the share.
 
@@ -83,13 +88,29 @@ class Share:
         path = Path(folder)
         return path.with_name(f"{path.name}.share-{self.number}-of-{self.count}")
 
+    def file(self, file: str | Path) -> Path:
+        """Return the file of the share, for studies that are kept in one file.
+
+        Args:
+            file: File of the whole study.
+
+        Example:
+            >>> Share(number=2, count=4).file("rows.csv").name
+            'rows.share-2-of-4.csv'
+        """
+        path = Path(file)
+        of_share = self.folder(path.with_suffix(""))
+        return of_share.with_name(of_share.name + path.suffix)
+
 
 @dataclass(frozen=True)
-class _StoredShare:
+class StoredShare:
     """A share that is there, and where."""
 
     share: Share
-    folder: Path
+    """The share."""
+    path: Path
+    """Its folder or file."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -125,16 +146,16 @@ def merge_shares(
             damaged, or one that another process writes to.
         StorageFailed: If the folder cannot be written. Nothing that was stored is lost.
     """
-    stored_shares = _find_shares(folder)
+    stored_shares = find_shares(folder)
     if region_size is None:
         n_shares = stored_shares[-1].share.count
         region_size = region_size_for(sweep, n_shares)
     with open_store(folder, sweep, region_size=region_size, resume=True) as store:
         progress(store.n_done, sweep.n_trials)
         for stored_share in stored_shares:
-            with owned(stored_share.folder, "sweep", DEFINITION):
-                _copy_share(stored_share.folder, store, progress)
-        shares = _list_shares(stored_shares)
+            with owned(stored_share.path, "sweep", DEFINITION):
+                _copy_share(stored_share.path, store, progress)
+        shares = list_shares(stored_shares)
         unfinished = tuple(share for share in shares if not _is_finished(share, store))
     results = open_unread(Path(folder))
     return Merged(results=results, n_done=store.n_done, unfinished=unfinished)
@@ -148,31 +169,45 @@ def _copy_share(folder: Path, store: Store, progress: Progress) -> None:
         progress(store.n_done, store.sweep.n_trials)
 
 
-def _find_shares(folder: str | Path) -> list[_StoredShare]:
-    """Return the shares beside a folder, in their order; there must be one."""
+def find_shares(folder: str | Path, *, suffix: str = "") -> list[StoredShare]:
+    """Return the shares beside a study, in their order.
+
+    Args:
+        folder: Its folder, or its file.
+        suffix: What ends the name of the study and of its shares, if each is a file.
+
+    Raises:
+        ValueError: If there is none.
+    """
     path = Path(folder)
-    stored_shares: list[_StoredShare] = []
-    for neighbour in path.parent.glob(f"{path.name}.share-*"):
-        match = FOLDER_OF_SHARE.fullmatch(neighbour.name.removeprefix(path.name))
+    stem = path.name.removesuffix(suffix)
+    stored_shares: list[StoredShare] = []
+    for neighbour in path.parent.glob(f"{glob.escape(stem)}.share-*{suffix}"):
+        ending = neighbour.name.removeprefix(stem).removesuffix(suffix)
+        match = FOLDER_OF_SHARE.fullmatch(ending)
         if match:
             share = Share(
                 number=int(match["number"]),
                 count=int(match["count"]),
             )
-            stored_shares.append(_StoredShare(share, neighbour))
+            stored_shares.append(StoredShare(share, neighbour))
     if not stored_shares:
-        example = f"{path.name}.share-1-of-4"
+        example = f"{stem}.share-1-of-4{suffix}"
         rule = f"must have shares beside it, such as {example}, got {path} without any"
-        raise BadArgument("folder", rule)
+        raise BadArgument("table" if suffix else "folder", rule)
 
-    def count_and_number(stored_share: _StoredShare) -> tuple[int, int]:
+    def count_and_number(stored_share: StoredShare) -> tuple[int, int]:
         return stored_share.share.count, stored_share.share.number
 
     return sorted(stored_shares, key=count_and_number)
 
 
-def _list_shares(stored_shares: list[_StoredShare]) -> list[Share]:
-    """Return all shares of the division into the largest number of them."""
+def list_shares(stored_shares: Sequence[StoredShare]) -> list[Share]:
+    """Return all shares of the division into the largest number of them.
+
+    Args:
+        stored_shares: Those that are there, as `find_shares` returns them.
+    """
     count = stored_shares[-1].share.count
     return [Share(number=number, count=count) for number in range(1, count + 1)]
 
