@@ -4,6 +4,7 @@
 goes into its fields, everything else to the model.
 """
 
+import functools
 from collections.abc import Callable
 from dataclasses import fields, replace
 from pathlib import Path
@@ -198,17 +199,23 @@ def model_of(model: Model | str, **changes: Any) -> Model:
         TypeError: If no model has such a field.
     """
     if isinstance(model, str):
-        model = MODELS[check_choice("model", model, tuple(MODELS))]()
+        model = _model_named(check_choice("model", model, tuple(MODELS)))
     check_instance("model", model, *MODELS.values())
-    settings = {field.name for field in fields(model)}
     for name, value in changes.items():
-        if name not in settings:
+        if name not in model.__dataclass_fields__:
             _refuse_setting(name, value)
     if "joints" in changes:
         changes["joints"] = JointLaw.of(changes["joints"])
-    if not changes:
+    # The same object, if it stays the same: its plant is found by it (`simulate.plants`).
+    if all(value is getattr(model, name) for name, value in changes.items()):
         return model
     return replace(model, **changes)
+
+
+@functools.cache
+def _model_named(name: str) -> Model:
+    """Return the model of a name with its defaults, always the same object."""
+    return MODELS[name]()
 
 
 def _refuse_setting(name: str, value: object) -> None:

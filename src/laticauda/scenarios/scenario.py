@@ -7,7 +7,7 @@ from typing import Any, Literal, TypeAlias, cast
 import numpy as np
 
 from laticauda.motion.gaits import Gait
-from laticauda.motion.joints import JointLaw, Prescribed
+from laticauda.motion.joints import JointLaw, Prescribed, usual_law
 from laticauda.robot import Environment, Robot, Scene
 from laticauda.scenarios.interfaces import Command, Controller, OpenLoop, Resumed, Start
 from laticauda.sensing import Place, Sensor
@@ -49,7 +49,9 @@ def check_names(argument: str, named: Sequence[Sensor] | Sequence[Place]) -> Non
 class _Model:
     """Common fields of both models."""
 
-    joints: JointLaw = option("How the joints follow their references", default=Prescribed())
+    joints: JointLaw = option(
+        "How the joints follow their references", default=usual_law(Prescribed)
+    )
     dt: float | None = quantity(
         "s", "Largest time step; a converged one if omitted", default=None, ge=1e-7, le=1e3
     )

@@ -22,6 +22,8 @@ KINDS: dict[str, type[Scenario] | type[Experiment]] = {
     "experiment": Experiment,
 }
 """What a text may hold, by the name in it."""
+PLAIN = frozenset((float, int, bool, str, tuple, type(None)))
+"""Types of values that are nobody's stand-in; most fields of a robot are of one."""
 MOTION_KEYS = ("gait", "controller")
 """Keys of which one holds the motion of a scenario."""
 
@@ -106,7 +108,8 @@ def unknown_in(owner: object) -> Iterator[extensions.Unknown]:
         yield owner
     elif is_dataclass(owner):
         for value in vars(owner).values():
-            yield from unknown_in(value)
+            if type(value) not in PLAIN:
+                yield from unknown_in(value)
 
 
 def _encode_controller(controller: Controller[Any]) -> Any:

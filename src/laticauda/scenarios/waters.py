@@ -8,7 +8,7 @@ from typing import Any, cast
 
 from laticauda import robot as robots
 from laticauda.motion.gaits import EelLike, Gait
-from laticauda.robot import find
+from laticauda.robot import Robot, Water, find, textbook_of
 from laticauda.values import Law, check_instance, extensions
 
 MAMBA = ("mamba", "mamba-fin", "mamba-modules", "mamba-modules-fin")
@@ -17,7 +17,7 @@ MAMBA = ("mamba", "mamba-fin", "mamba-modules", "mamba-modules-fin")
 preset_water = functools.cache(robots.load_water)
 
 
-def default_water(robot: robots.Robot, gait: Gait | None = None) -> robots.Water:
+def default_water(robot: Robot, gait: Gait | None = None) -> Water:
     """Return the default water: the textbook's for the robot's shape, or for Mamba the paper's for the gait.
 
     Args:
@@ -25,15 +25,15 @@ def default_water(robot: robots.Robot, gait: Gait | None = None) -> robots.Water
         gait: Gait of its joints; the paper identified coefficients for each kind, and None selects
             those of lateral undulation.
     """
-    check_instance("robot", robot, robots.Robot)
+    check_instance("robot", robot, Robot)
     if robot.name not in MAMBA:
-        return robots.textbook_of(robot)
+        return textbook_of(robot)
     if gait is not None and isinstance(gait.envelope, EelLike):
         return preset_water("paper-eel")
     return preset_water("paper-lateral")
 
 
-def water_for(robot: robots.Robot, name: str | None, gait: Gait | None = None) -> robots.Water:
+def water_for(robot: Robot, name: str | None, gait: Gait | None = None) -> Water:
     """Return the water of a given name, or the default water.
 
     Args:
@@ -50,7 +50,7 @@ def water_for(robot: robots.Robot, name: str | None, gait: Gait | None = None) -
     return robots.load_water(name, robot)
 
 
-def environment_of(environment: object, robot: robots.Robot, gait: Gait | None = None) -> Any:
+def environment_of(environment: object, robot: Robot, gait: Gait | None = None) -> Any:
     """Load a water or ground by name or path; anything else is returned unchanged, for others to check.
 
     Args:
@@ -69,7 +69,7 @@ def environment_of(environment: object, robot: robots.Robot, gait: Gait | None =
     return robots.from_toml(find(environment, "water"))
 
 
-def named_after(changed: robots.Water, before: robots.Water) -> robots.Water:
+def named_after(changed: Water, before: Water) -> Water:
     """Return a water whose name states how it differs from an earlier one.
 
     Args:

@@ -38,6 +38,8 @@ def check_floats(
 
 
 def _has_shape(array: AnyArray, shape: tuple[int | None, ...]) -> bool:
+    if array.shape == shape:
+        return True
     if array.ndim != len(shape):
         return False
     return all(length in (None, size) for length, size in zip(shape, array.shape, strict=True))

@@ -6,9 +6,9 @@ from datetime import UTC, datetime
 
 import numpy as np
 
-from laticauda import scenarios
 from laticauda.motion import gaits
 from laticauda.robot import Ground, Robot, Water
+from laticauda.scenarios import Experiment, Scenario
 from laticauda.trials import arrays
 from laticauda.trials.arrays import AnyArray, FinJoints, Setting
 from laticauda.values import BadArgument, check_flag, check_instance, check_text, series
@@ -61,7 +61,7 @@ class Contents(series.Log):
             time does not increase.
     """
 
-    scenario: scenarios.Scenario | scenarios.Experiment
+    scenario: Scenario | Experiment
     """What swam, how, where and by which model: given a scenario, `laticauda.swim` reproduces the trial. An experiment
     states what is known of a run that was measured, or steered by hand."""
     version: str
@@ -79,7 +79,7 @@ class Contents(series.Log):
 
     def __post_init__(self) -> None:
         """Validate everything and freeze every array, once."""
-        check_instance("scenario", self.scenario, scenarios.Scenario, scenarios.Experiment)
+        check_instance("scenario", self.scenario, Scenario, Experiment)
         check_flag("succeeded", self.succeeded)
         for name in ("version", "created", "status"):
             check_text(name, getattr(self, name))

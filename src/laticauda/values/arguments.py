@@ -34,13 +34,13 @@ def explained(content: Any, package: str) -> Any:
             returned unchanged.
         package: Package from which users import it.
     """
+    if isinstance(content, type):
+        if "__init__" in vars(content) and not hasattr(content, "__post_init__"):
+            content.__init__ = _explained(content.__init__, package)  # type: ignore[misc]
+        return content
     is_function = isinstance(content, types.FunctionType | types.MethodType)
     if is_function or hasattr(content, "cache_info"):
         return _explained(content, package)
-    if not isinstance(content, type):
-        return content
-    if "__init__" in vars(content) and not hasattr(content, "__post_init__"):
-        content.__init__ = _explained(content.__init__, package)  # type: ignore[misc]
     return content
 
 

@@ -126,6 +126,8 @@ def as_floats(name: str, values: object) -> Float[np.ndarray, "..."]:
     Raises:
         ValueError: If they are not numbers, are complex, some are masked, or rows differ in length.
     """
+    if type(values) is np.ndarray and values.dtype == np.float64:  # as nearly always
+        return np.asarray(values, order="C")
     try:
         array = np.asarray(values)
     except (ValueError, MemoryError):  # rows of different lengths, or endless input

@@ -14,6 +14,7 @@ from laticauda.motion.joints.laws import (
     Servo,
     motor_power,
     servo,
+    usual_law,
 )
 from laticauda.motion.joints.muscles import Ekeberg, Hill, ekeberg, hill
 from laticauda.motion.joints.speed_servo import SpeedServo, speed_servo
@@ -38,4 +39,5 @@ __all__ = [
     "motor_power",
     "servo",
     "speed_servo",
+    "usual_law",
 ]

@@ -10,6 +10,8 @@ The annotations say float, but complex numbers (for complex-step derivatives) an
 trials at once) work too; conditions therefore use the real part only, and choices use `where`.
 """
 
+import functools
+from collections.abc import Callable
 from typing import ClassVar, NamedTuple
 
 from laticauda.values import Extensible, Formula, Law, check_choice, tanh, value_class, where
@@ -135,8 +137,18 @@ class JointLaw(Law, Extensible, group="joint_laws"):
         """
         if isinstance(law, str):
             law_class = cls.named(check_choice("joints", law, cls.names()))
-            return law_class()
+            return usual_law(law_class)
         return law
+
+
+@functools.cache
+def usual_law(law_class: Callable[[], JointLaw]) -> JointLaw:
+    """Return the law of a class with its defaults, always the same object.
+
+    Args:
+        law_class: The class.
+    """
+    return law_class()
 
 
 @value_class
