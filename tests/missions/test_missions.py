@@ -13,13 +13,16 @@ import laticauda as lc
 from laticauda.missions import (
     Avoidance,
     BatteryLow,
+    Echo,
     Estimate,
     Helm,
     Mission,
     Phase,
     Rest,
+    Search,
     SensorSilent,
     Steering,
+    SwimRoute,
     SwimStraight,
     Transition,
     load_mission,
@@ -28,6 +31,7 @@ from laticauda.missions import (
     run_missions,
     summarize_campaign,
 )
+from laticauda.missions.behaviours.routes import RouteState
 from laticauda.missions.campaign import wilson_interval
 from laticauda.missions.campaign_table import read_rows
 from laticauda.missions.posture import bend_of_head, find_posture
@@ -38,6 +42,7 @@ ROOT = Path(__file__).parent.parent.parent
 GAIT = lc.lateral_undulation(amplitude_deg=30, frequency_deg_s=210, phase_shift_deg=40)
 OUT = Phase(name="out", behaviour=SwimStraight(distance=1.0), done="rest")
 REST = Phase(name="rest", behaviour=Rest())
+SQUARE_OF_POINTS = ((2.0, -6.0), (2.0, -4.0), (0.0, -4.0), (0.0, -8.0))
 
 
 @pytest.fixture(scope="module")
@@ -154,6 +159,43 @@ def test_a_sensor_that_repeats_itself_is_as_good_as_silent(inspection, kind):
     (change,) = result.changes
     assert change.reason == "compass silent for 3 s"
     assert change.time == pytest.approx(7.0, abs=0.5)
+
+
+def test_gaps_of_the_gyro_do_not_turn_what_is_believed(inspection):
+    mission = Mission(
+        gait=GAIT,
+        phases=(
+            Phase(name="circle", behaviour=SwimRoute(points=SQUARE_OF_POINTS), done="rest"),
+            REST,
+        ),
+        navigation=replace(inspection.motion.navigation, start=(0.0, -6.0)),
+    )
+    sensors = [
+        replace(sensor, dropout=0.2)
+        for sensor in inspection.model.sensors
+        if sensor.name != "beacon"
+    ]
+    scenario = replace(
+        inspection,
+        motion=mission,
+        start=lc.Start(center_of_mass=(0.0, -6.0)),
+        model=replace(inspection.model, sensors=tuple(sensors)),
+        duration=50.0,
+    )
+    (result,) = run_missions([with_fault(scenario, "compass", begin=2.0, end=60.0)])
+    (change,) = result.changes
+    assert change.reason == "done"
+    at_the_end = np.searchsorted(result.trial.time, change.time)
+    middle = result.trial.center_of_mass[at_the_end]
+    assert math.dist(middle, SQUARE_OF_POINTS[-1]) < 2.0
+
+
+def test_what_is_near_home_is_not_what_is_searched():
+    search = Search(points=((9.0, 0.0),), within=2.5, home_radius=3.0)
+    estimate = SimpleNamespace(echoes=(Echo(bearing=0.0, distance=1.0, x=2.9, y=0.0),))
+    state = RouteState(leg=0, begin=(0.0, 0.0))
+    assert search.outcome(state, estimate) is None
+    assert replace(search, home=(6.0, 0.0)).outcome(state, estimate) == "done"
 
 
 def test_tables_that_lead_nowhere_are_refused():

@@ -9,6 +9,7 @@ from typing import Any
 
 from laticauda.cli import command, flags
 from laticauda.models import simulate
+from laticauda.scenarios import Scenario, Start
 from laticauda.tank.operate import drivers, run_series, session, settings, terminal
 from laticauda.values import BadArgument, RobotFileError, option, quantity, read_text, value_class
 
@@ -52,7 +53,7 @@ class Operate(command.Command):
         default=None,
     )
     mission: str | None = option(
-        "Mission that steers, by name or as a file, with its gait and duration; else as the file says",
+        "Mission that steers, by name or as a file, with its gait, start and duration; else as the file says",
         default=None,
     )
     supply_voltage: float | None = quantity(
@@ -170,8 +171,10 @@ class Operate(command.Command):
             raise BadArgument("mission", f"{rule}, got one of `{scenario.robot.name}`")
         return replace(
             operation,
+            name=Path(self.mission).stem,
             steering=missions.mission_of(scenario),
             following=None,
+            start=_placement_of(scenario),
             duration=scenario.duration,
         )
 
@@ -184,3 +187,12 @@ class Operate(command.Command):
         if self.supply_voltage is None:
             return operation
         return replace(operation, supply_voltage=self.supply_voltage)
+
+
+def _placement_of(scenario: Scenario) -> settings.Placement:
+    """Return where the robot of a mission has to be put."""
+    if not isinstance(scenario.start, Start):
+        raise BadArgument("mission", "must be one that starts anew, got one that continues a run")
+    return settings.Placement(
+        position=scenario.start.center_of_mass, heading=scenario.start.heading
+    )

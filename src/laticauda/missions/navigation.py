@@ -32,6 +32,8 @@ MOST_REFUSED = 5
 """Fixes that are refused in a row; the next one is believed."""
 ECHO_TIME = 3.0
 """Time after which the echoes of a ping no longer count [s]."""
+GYRO_GAP = 0.5
+"""Time without the gyro after which it no longer counts how the body turned before [s]."""
 SQUARE = 0.3
 """Side of a square of the grid in which echoes are remembered [m]."""
 FIRST_STD = 3.0
@@ -45,8 +47,10 @@ class NavigationState:
     """What navigation keeps from one control instant to the next."""
 
     estimate: Estimate | None = None
-    head_rate: float | None = None
-    """Last rate of the gyro; None if it is silent [rad/s]."""
+    head_rate: float = 0.0
+    """How fast the head turns, by the gyro or assumed [rad/s]."""
+    turn_rate: float = 0.0
+    """How fast the body as a whole turned when the gyro last told it [rad/s]."""
     velocity: tuple[float, float] = (0.0, 0.0)
     """Velocity of the middle over ground, not averaged [m/s]."""
     n_refused: int = 0
@@ -156,12 +160,13 @@ class _Instant:
 
     def state_after(self) -> NavigationState:
         """Return the state after this instant."""
-        head_rate = self._gyro_rate()
+        turn_rate = self._turn_rate()
+        head_rate = turn_rate + bend_of_head(self._joint_rate)
         head_heading = self._head_heading(head_rate)
         posture = find_posture(
             body_length=self._navigation.body_length,
             head_heading=head_heading,
-            head_rate=self._assumed_head_rate(head_rate),
+            head_rate=head_rate,
             joint_angle=self._joint_angle,
             joint_rate=self._joint_rate,
         )
@@ -197,6 +202,7 @@ class _Instant:
         return NavigationState(
             estimate=estimate,
             head_rate=head_rate,
+            turn_rate=turn_rate,
             velocity=velocity,
             n_refused=n_refused,
             n_of_current=n_of_current,
@@ -206,20 +212,22 @@ class _Instant:
             last_values=self._last_values,
         )
 
-    def _gyro_rate(self) -> float | None:
-        """Return how fast the head turns by the gyro; None if it is silent [rad/s]."""
+    def _turn_rate(self) -> float:
+        """Return how fast the body as a whole turns: by the gyro, or as before, or not if that is long ago [rad/s]."""
         values = self._fresh.get(self._navigation.inertial)
-        if values is None:
-            return None
-        return values[2]
+        if values is not None:
+            return values[2] - bend_of_head(self._joint_rate)
+        if self._is_without_gyro:
+            return 0.0
+        return self._before.turn_rate
 
-    def _assumed_head_rate(self, gyro_rate: float | None) -> float:
-        """Return how fast the head turns: by the gyro, or as if the body as a whole did not turn [rad/s]."""
-        if gyro_rate is not None:
-            return gyro_rate
-        return bend_of_head(self._joint_rate)
+    @property
+    def _is_without_gyro(self) -> bool:
+        """Whether the gyro has been silent for long."""
+        heard_at = self._heard_at.get(self._navigation.inertial, -math.inf)
+        return self._time - heard_at > GYRO_GAP
 
-    def _head_heading(self, gyro_rate: float | None) -> float:
+    def _head_heading(self, head_rate: float) -> float:
         """Return the direction of the head [rad]."""
         compass = self._fresh.get(self._navigation.compass)
         before = self._before.estimate
@@ -227,13 +235,11 @@ class _Instant:
             if compass is None:
                 return 0.0
             return compass[0]
-        rate_before = self._before.head_rate
-        if gyro_rate is None or rate_before is None:
+        share = COMPASS_SHARE
+        if self._is_without_gyro:
             share = 1.0
-            predicted = before.heading + bend_of_head(self._joint_angle)
-        else:
-            share = COMPASS_SHARE
-            predicted = before.head_heading + 0.5 * (gyro_rate + rate_before) * self._elapsed
+        mean_rate = 0.5 * (head_rate + self._before.head_rate)
+        predicted = before.head_heading + mean_rate * self._elapsed
         if compass is None:
             return predicted
         return predicted + share * wrapped(compass[0] - predicted)

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 
 from laticauda.missions.behaviours.behaviour import Behaviour, Outcome
-from laticauda.missions.estimate import Estimate
+from laticauda.missions.estimate import Echo, Estimate
 from laticauda.missions.steering import Steering
 from laticauda.values import BadArgument, quantity, value_class
 
@@ -122,15 +122,26 @@ class SwimRoute(Behaviour[RouteState]):
 
 @value_class
 class Search(SwimRoute):
-    """Swims along points until the sonar sees something; it has failed if nothing was seen on the way."""
+    """Swims along points until the sonar sees something; it has failed if nothing was seen on the way.
+
+    What is near home does not count: seen from behind, a dock looks like a wall.
+    """
 
     within: float = quantity("m", "How near what is seen must be", gt=0.0, default=4.0)
+    home: Point = quantity("m", "x and y of home", default=(0.0, 0.0))
+    home_radius: float = quantity(
+        "m", "Distance from home within which nothing counts", ge=0.0, default=0.0
+    )
 
     def outcome(self, state: RouteState, estimate: Estimate) -> Outcome | None:
         """Return how the phase ended, by `state` and `estimate`; None if it goes on."""
-        echo = estimate.nearest_echo
-        if echo is not None and echo.distance <= self.within:
+        if any(self._counts(echo) for echo in estimate.echoes):
             return "done"
         if state.leg == len(self.points):
             return "failed"
         return None
+
+    def _counts(self, echo: Echo) -> bool:
+        """Return whether an echo is near enough, and not from home."""
+        is_of_home = math.dist((echo.x, echo.y), self.home) <= self.home_radius
+        return echo.distance <= self.within and not is_of_home
