@@ -51,6 +51,11 @@ if TYPE_CHECKING:
         list_missions as list_missions,
         load_mission as load_mission,
     )
+    from laticauda.missions.inspection import (
+        find_net as find_net,
+        measure_clearance as measure_clearance,
+        measure_share_seen as measure_share_seen,
+    )
     from laticauda.missions.mission import Mission as Mission, Way as Way
     from laticauda.missions.navigation import Navigation as Navigation
     from laticauda.missions.phases import (
@@ -70,6 +75,7 @@ if TYPE_CHECKING:
         read_changes as read_changes,
         run_mission as run_mission,
         run_missions as run_missions,
+        swim_to_dock as swim_to_dock,
     )
     from laticauda.missions.steering import Helm as Helm, Steering as Steering
 
@@ -103,6 +109,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.missions.drawing": ["draw_map", "draw_phases"],
         "laticauda.missions.estimate": ["Echo", "Estimate"],
         "laticauda.missions.files": ["list_missions", "load_mission"],
+        "laticauda.missions.inspection": ["find_net", "measure_clearance", "measure_share_seen"],
         "laticauda.missions.mission": ["Mission", "Way"],
         "laticauda.missions.navigation": ["Navigation"],
         "laticauda.missions.phases": [
@@ -122,6 +129,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "read_changes",
             "run_mission",
             "run_missions",
+            "swim_to_dock",
         ],
         "laticauda.missions.steering": ["Helm", "Steering"],
     },

@@ -99,6 +99,18 @@ def run_missions(scenarios: Sequence[Scenario]) -> list[MissionResult]:
     """
     for scenario in scenarios:
         mission_of(scenario)
+    return [
+        judge_mission(trial, scenario.duration)
+        for trial, scenario in zip(swim_to_dock(scenarios), scenarios, strict=True)
+    ]
+
+
+def swim_to_dock(scenarios: Sequence[Scenario]) -> list[Trial]:
+    """Return the trials of scenarios that each end when a dock catches the robot, whatever steers it.
+
+    Args:
+        scenarios: The scenarios, all with the same duration and sample interval.
+    """
     docks = [find_dock(scenario.model.places) for scenario in scenarios]
 
     def has_arrived(
@@ -111,11 +123,7 @@ def run_missions(scenarios: Sequence[Scenario]) -> list[MissionResult]:
                 arrives[number] = _catches(dock, observations.of_robot(number))
         return arrives
 
-    trials = swim_side_by_side(scenarios, has_arrived)
-    return [
-        judge_mission(trial, scenario.duration)
-        for trial, scenario in zip(trials, scenarios, strict=True)
-    ]
+    return swim_side_by_side(scenarios, has_arrived)
 
 
 def _catches(dock: Dock, observation: Observation) -> bool:

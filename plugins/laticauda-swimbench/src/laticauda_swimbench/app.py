@@ -199,12 +199,50 @@ class Search(Command):
         return Outcome(facts=facts, text="\n".join(lines))
 
 
+@value_class
+class Missions(Command):
+    """Score who steers by sensors alone in the two missions; all of their baselines if nothing is given.
+
+    A policy is a baseline (reference, dead-reckoning, rest), a mission file *.toml, or module:name of
+    a laticauda controller or its class.
+
+    For example: swimbench missions my_mission.toml my_module:Controller --output scores
+    """
+
+    policies: Policies = option("Who is scored; all baselines if omitted", default=())
+    missions: NameList = option("Missions to score in", default=("inspection", "station"))
+    output: OptionalFolder = option("Folder for the score files, created if missing", default=None)
+
+    def run(self) -> Outcome:
+        """Score one after the other."""
+        from laticauda_swimbench.missions import (
+            BASELINES,
+            mission_challenge,
+            mission_table,
+            score_missions,
+            write_mission_scores,
+        )
+
+        for name in self.missions:
+            mission_challenge(name)
+        contents: list[dict[str, Any]] = []
+        for policy in self.policies or BASELINES:
+            content = score_missions(policy, self.missions)
+            if self.output is not None:
+                write_mission_scores(content, Path(self.output))
+            contents.append(content)
+        seconds = sum(content["seconds"] for content in contents)
+        text = f"{mission_table(contents)}\n\nScored in {seconds:.0f} s."
+        return Outcome(facts={"scores": contents}, text=text)
+
+
 COMMANDS: dict[str, type[Command]] = {
     "list": List,
     "score": Score,
     "table": Table,
     "train": Train,
     "search": Search,
+    "missions": Missions,
 }
 
 
@@ -220,7 +258,7 @@ def main(args: Sequence[str] | None = None) -> int:
     words = list(sys.argv[1:] if args is None else args)
     if not words or words[0] in ("-h", "--help"):
         lines = [
-            f"  {name:7} {(kind.__doc__ or '').splitlines()[0]}" for name, kind in COMMANDS.items()
+            f"  {name:8} {(kind.__doc__ or '').splitlines()[0]}" for name, kind in COMMANDS.items()
         ]
         print(
             "\n".join(

@@ -147,13 +147,7 @@ def score(
         "method": {
             name: getattr(chosen, name) for name in ("name", "kind", "sha256", "runs", "note")
         },
-        "versions": {
-            "laticauda": __version__,
-            "laticauda-swimbench": _own_version(),
-            "numpy": np.__version__,
-            "python": platform.python_version(),
-            "machine": platform.machine(),
-        },
+        "versions": installed_versions(),
         "scenarios": parts,
     }
     return content | {"seconds": round(time.perf_counter() - begun, 1), "sha256": checksum(content)}
@@ -218,6 +212,17 @@ def text_of(content: Mapping[str, Any]) -> str:
     ]
     text = to_json({**content, "scenarios": parts})
     return re.sub(r'"<(\d+)>"', lambda found: lines[int(found[1])], text) + "\n"
+
+
+def installed_versions() -> dict[str, str]:
+    """Return the versions of what computes a score."""
+    return {
+        "laticauda": __version__,
+        "laticauda-swimbench": _own_version(),
+        "numpy": np.__version__,
+        "python": platform.python_version(),
+        "machine": platform.machine(),
+    }
 
 
 def _own_version() -> str:
