@@ -36,6 +36,7 @@ def test_the_presets_are_there():
         "tide",
         "turbulence",
         "vortex",
+        "wake",
         "wind-sea",
     )
 

@@ -5,6 +5,7 @@ arrays.py       checks of its arrays and texts
 trial.py        `Trial`: the contents, with figures, pictures and files
 metrics.py      formulas of the figures
 moving_water.py what a current does to a run, in words
+wake.py         the wake of the robot, as water for another one
 edge.py         incidence of the trailing edge, and whether its law holds
 cycles.py       whole gait cycles of a log, and means over them
 feasibility/    whether the robot can do what the run demands
@@ -53,6 +54,7 @@ if TYPE_CHECKING:
         Trial as Trial,
         shown_figures as shown_figures,
     )
+    from laticauda.trials.wake import WakeOfTrial as WakeOfTrial, measure_wake as measure_wake
     from laticauda.trials.edge import (
         ThrustError as ThrustError,
         describe_edge as describe_edge,
@@ -91,6 +93,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
         ],
         "laticauda.trials.several": ["ComparedFigure", "Comparison", "compare", "joined"],
         "laticauda.trials.trial": ["FIGURES", "Figure", "Trial"],
+        "laticauda.trials.wake": ["WakeOfTrial", "measure_wake"],
     },
     plain={
         "laticauda.trials.contents": ["REACHED_END", "Setting"],

@@ -70,6 +70,8 @@ HOMES: Mapping[str, Mapping[str, str]] = {
         "waves": "laticauda.water.fluid.waves",
         "sea": "laticauda.water.fluid.waves",
         "turbulence": "laticauda.water.fluid.eddies",
+        "wake": "laticauda.water.fluid.wake",
+        "wake-of-trial": "laticauda.trials.wake",
         "gridded": "laticauda.water.fluid.gridded",
     },
     "formats": {

@@ -92,6 +92,9 @@ FLOWS = {
     "sum of two kinds": Swirl(v_x=0.1) + Uniform(u=0.2) + Swirl(rate=0.4),
     "lamb-oseen": Flow.named("lamb-oseen")(circulation=0.3, core=0.2, viscosity=1e-3),
     "karman-street": Flow.named("karman-street")(pairs=3),
+    "wake": Flow.named("wake")(
+        speed=0.2, period=1.3, width=0.2, circulation=0.05, core=0.05, viscosity=1e-4, pairs=3
+    ),
     "turbulence": Flow.named("turbulence")(modes=5, mean=(0.1, 0.0, 0.0), evolution=1.0),
 }
 

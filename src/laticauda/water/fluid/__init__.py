@@ -1,8 +1,8 @@
 """Loads of water or ground on one element, and the motion of the water.
 
 `laws` has drag laws as values and the plate of a pectoral fin, `inertia` the loads of added mass.
-`flow` says what a flow is; `uniform`, `eddies`, `waves` and `gridded` have the flows, the last one with
-`grids` (reading them) and `cells` (interpolation). `arrows` and `surface` draw moving water.
+`flow` says what a flow is; `uniform`, `eddies`, `wake`, `waves` and `gridded` have the flows, the last one
+with `grids` (reading them) and `cells` (interpolation). `arrows` and `surface` draw moving water.
 """
 
 from typing import TYPE_CHECKING
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
         has_waves as has_waves,
         surface_elevation as surface_elevation,
     )
+    from laticauda.water.fluid.wake import Wake as Wake, find_circulation as find_circulation
 
 __getattr__, __dir__, __all__ = lazy_exports(
     __name__,
@@ -58,5 +59,6 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "has_waves",
             "surface_elevation",
         ],
+        "laticauda.water.fluid.wake": ["Wake", "find_circulation"],
     },
 )
