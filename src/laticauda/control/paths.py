@@ -49,8 +49,19 @@ class StraightLine(Path[None]):
             position: Center of mass, in world axes [m].
         """
         along, across = transform_to_axes(self.point, self.angle, position)
-        frame = _build_frame(along=along, across=across, angle=self.angle, length=math.inf)
+        frame = PathFrame(
+            along_track_distance=along,
+            cross_track_error=across,
+            path_tangential_angle=self._direction,
+            curvature=0.0,
+            remaining=math.inf,
+        )
         return None, frame
+
+    @cached_property
+    def _direction(self) -> float:
+        """Its direction in [-pi, pi) [rad]."""
+        return wrap_to_pi(self.angle)
 
     @classmethod
     def vectorize(cls, paths: Sequence[Any]) -> VectorPath:

@@ -33,8 +33,11 @@ def wrap_to_pi(angle: float | NDArray[np.float64]) -> float | NDArray[np.float64
     # fmod is exact, and so is the subtraction of one turn: no digit is lost, however large the
     # angle.
     # Ten times faster than arrays of one, and just as exact.
-    if isinstance(angle, float) and math.isfinite(angle):
-        return wrapped(angle)
+    if isinstance(angle, float):
+        if -math.pi <= angle < math.pi:
+            return float(angle)
+        if math.isfinite(angle):
+            return wrapped(angle)
     turn = 2.0 * math.pi
     remainder = np.fmod(angle, turn)
     raised = np.where(remainder < -np.pi, remainder + turn, remainder)

@@ -27,6 +27,8 @@ from laticauda.models.dynamics.samples import (
     Stretch,
     check_size,
     count_samples,
+    count_steps,
+    divide_into_steps,
     join_samples,
 )
 from laticauda.motion.gaits import WaveState, WaveTarget, first_state
@@ -118,12 +120,12 @@ class Plant(ABC, Generic[ModelType]):
         """Law by which the joints follow their references."""
         return self.settings.joints
 
-    @property
+    @cached_property
     def dt(self) -> float:
         """Largest time step [s]."""
         return cast(float, self.settings.dt)
 
-    @property
+    @cached_property
     def ramp(self) -> float:
         """T of the smooth start [s]."""
         return cast(float, self.settings.ramp)
@@ -135,7 +137,7 @@ class Plant(ABC, Generic[ModelType]):
 
     def steps_in(self, interval: float) -> int:
         """Return the number of equal steps, none longer than `dt`, in an `interval` [s] between two samples."""
-        return max(1, math.ceil(interval / self.dt - 1e-9))
+        return count_steps(interval, self.dt)
 
     @abstractmethod
     def init(self, start: Start, command: Command) -> PlantState:
@@ -220,10 +222,7 @@ class Plant(ABC, Generic[ModelType]):
                 the duration.
             link_forces: Whether to keep the force on every link, and what every joint carries, too.
         """
-        n_intervals = max(1, round(duration / sample_interval))
-        every = self.steps_in(duration / n_intervals)
-        dt = duration / n_intervals / every
-        grid = Grid(n_intervals=n_intervals, n_steps=every, dt=dt)
+        grid = divide_into_steps(duration, sample_interval, self.dt)
         if self.effector_dynamics.has_memory:
             return advance_in_pieces(self, state, command, grid, link_forces=link_forces)
         return self.advance_on_grid(state, command, grid, link_forces=link_forces)
@@ -273,8 +272,9 @@ class Plant(ABC, Generic[ModelType]):
             command: Command, held throughout.
             end: State vector as the kernels left it; it is changed.
         """
-        for wave in self._held_waves(command):
-            end[wave] = state.values[wave]
+        if command.references is not None:
+            for wave in self._held_waves(command):
+                end[wave] = state.values[wave]
         return PlantState(values=end)
 
     def describe_divergence(self, time: float) -> str:

@@ -1,7 +1,9 @@
 """State and samples of a plant: as its kernels log them, and by quantity."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -88,6 +90,31 @@ class Grid(NamedTuple):
     """Time steps in each."""
     dt: float
     """Time step [s]."""
+
+
+def count_steps(interval: float, longest_step: float) -> int:
+    """Return the number of equal time steps in an interval.
+
+    Args:
+        interval: The interval [s].
+        longest_step: Largest time step [s].
+    """
+    return max(1, math.ceil(interval / longest_step - 1e-9))
+
+
+@lru_cache(maxsize=16)  # nearly all marches of a run with a controller are of the same length
+def divide_into_steps(duration: float, sample_interval: float, longest_step: float) -> Grid:
+    """Return the steps of a march.
+
+    Args:
+        duration: Duration of the march [s].
+        sample_interval: Time between two samples of the log; adjusted so that it divides the duration [s].
+        longest_step: Largest time step [s].
+    """
+    n_intervals = max(1, round(duration / sample_interval))
+    interval = duration / n_intervals
+    n_steps = count_steps(interval, longest_step)
+    return Grid(n_intervals=n_intervals, n_steps=n_steps, dt=interval / n_steps)
 
 
 class March(NamedTuple):

@@ -53,12 +53,12 @@ class Layout:
         """Number of joints, those of the fin included."""
         return self.n_bodies - 1
 
-    @property
+    @cached_property
     def state_size(self) -> int:
         """Count of the numbers of a state vector."""
         return sample_format.size_of_state(self.n_joints)
 
-    @property
+    @cached_property
     def sample_size(self) -> int:
         """Count of the numbers of a sample, which begins with a state vector."""
         return sample_format.size_of_sample(self.n_joints)

@@ -214,10 +214,16 @@ class PlanarPlant(Plant[Planar]):
         """Return the observation of a state."""
         # Not by its constructor: most fields of an observation are never asked for.
         observation = object.__new__(_PlanarObservation)
-        vars(observation).update(self._fields_of(state.values))
-        vars(observation)["readings"] = NO_READINGS
-        vars(observation)["_plant"] = self
-        vars(observation)["_state_values"] = state.values
+        values = state.values
+        columns = self.columns_of_state
+        vars(observation).update(
+            time=float(values[columns["time"]]),
+            center_of_mass=values[columns["center_of_mass"]],
+            heading=float(values[columns["heading"]]),
+            readings=NO_READINGS,
+            _plant=self,
+            _state_values=values,
+        )
         return observation
 
     def head_motion(self, observation: Observation, values: np.ndarray) -> HeadMotion:
@@ -456,8 +462,8 @@ class PlanarPlant(Plant[Planar]):
         return compute_loads(link_forces, self.layout, S, samples, self._mass)
 
     @cached_property
-    def _columns(self) -> dict[str, Any]:
-        """Columns of a sample for each field of an observation; the fin's joints are omitted."""
+    def columns_of_state(self) -> dict[str, Any]:
+        """Columns of a state vector, and of a sample, by field of an observation; the fin's joints are omitted."""
         n_joints = self.layout.n_joints
         n_fin_joints = self.layout.tail_link
         angles = columns_of_joints(rows.ANGLE, n_joints)
@@ -473,9 +479,9 @@ class PlanarPlant(Plant[Planar]):
         }
 
     def _fields_of(self, samples: np.ndarray) -> dict[str, np.ndarray]:
-        """Return an observation's fields, except the link angles, of one or many samples."""
+        """Return the fields of observations, except the link angles, of many samples."""
         columns = samples.T
-        return {name: columns[selection].T for name, selection in self._columns.items()}
+        return {name: columns[selection].T for name, selection in self.columns_of_state.items()}
 
     def _samples(self, samples: np.ndarray) -> Samples:
         tail = self.layout.tail_link
@@ -501,10 +507,33 @@ NO_READINGS: Mapping[str, Reading] = MappingProxyType({})
 
 
 class _PlanarObservation(Observation):
-    """Observation in the plane; link angles are computed on first access."""
+    """Observation in the plane; what few controllers ask for is read or computed on first access."""
 
     _plant: PlanarPlant
     _state_values: np.ndarray
+
+    @cached_property
+    def center_of_mass_velocity(self) -> np.ndarray:  # pyright: ignore[reportIncompatibleVariableOverride]  # as frozen as a field
+        """Velocity of the center of mass [m/s]."""
+        return self._read("center_of_mass_velocity")
+
+    @cached_property
+    def heading_rate(self) -> float:  # pyright: ignore[reportIncompatibleVariableOverride]  # as frozen as a field
+        """Rate of the heading [rad/s]."""
+        return float(self._read("heading_rate"))
+
+    @cached_property
+    def joint_angle(self) -> np.ndarray:  # pyright: ignore[reportIncompatibleVariableOverride]  # as frozen as a field
+        """phi [rad]."""
+        return self._read("joint_angle")
+
+    @cached_property
+    def joint_rate(self) -> np.ndarray:  # pyright: ignore[reportIncompatibleVariableOverride]  # as frozen as a field
+        """phi' [rad/s]."""
+        return self._read("joint_rate")
+
+    def _read(self, name: str) -> Any:
+        return self._state_values[self._plant.columns_of_state[name]]
 
     @cached_property
     def link_angle(self) -> np.ndarray:  # pyright: ignore[reportIncompatibleVariableOverride]  # as frozen as a field

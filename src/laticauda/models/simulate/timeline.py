@@ -69,6 +69,8 @@ class CommandQueue(Generic[Issued]):
             now: Time of its begin [s].
             length: Its length [s].
         """
+        if len(self._commands) == 1:  # as always without a delay
+            return []
         return [
             due - now for due, _ in self._commands[1:] if now + CLOSE < due < now + length - CLOSE
         ]
