@@ -36,6 +36,7 @@ from laticauda.missions import (
     draw_conditions,
     draw_map,
     draw_phases,
+    film_mission,
     load_mission,
     run_mission,
 )
@@ -356,18 +357,15 @@ def film(folder: Path, name: str = "follow", run: str = FILM) -> None:
         whole = Path(scratch) / "film.mp4"
         if command([*run.split(), "--video", str(whole)]) != 0:
             raise SystemExit("the run of the film failed")
-        words = [
-            "ffmpeg",
-            "-y",
-            "-loglevel",
-            "error",
-            "-i",
-            str(whole),
-            "-vf",
-            "fps=12,scale=640:-2:flags=lanczos",
-        ]
-        words += ["-c:v", "libwebp_anim", "-quality", "65", "-compression_level", "4", "-loop", "0"]
-        subprocess.run([*words, str(folder / f"{name}.webp")], check=True)
+        shrink_film(whole, folder / f"{name}.webp")
+
+
+def shrink_film(whole: Path, small: Path, width: int = 640) -> None:
+    """Write a film as a picture that moves, with fewer pictures of fewer pixels."""
+    words = ["ffmpeg", "-y", "-loglevel", "error", "-i", str(whole)]
+    words += ["-vf", f"fps=12,scale={width}:-2:flags=lanczos"]
+    words += ["-c:v", "libwebp_anim", "-quality", "65", "-compression_level", "4", "-loop", "0"]
+    subprocess.run([*words, str(small)], check=True)
 
 
 def swim(folder: Path) -> None:
@@ -404,13 +402,17 @@ def edge_map(folder: Path) -> None:
 
 
 def mission(folder: Path) -> None:
-    """Draw the phases of a mission, and a run of it in which the sonar fails."""
+    """Draw the phases of a mission, and film a run of it in which the sonar fails."""
     scenario = load_mission("net-inspection")
     save_figure(draw_phases(cast(Mission, scenario.motion)), folder / "mission-phases.png")
     conditions = Conditions(failing=("sonar",))
     draw = draw_conditions(conditions, 14)
     result = run_mission(change_scenario(scenario, conditions, draw))
     save_figure(draw_map(result), folder / "mission-map.png")
+    with tempfile.TemporaryDirectory() as scratch:
+        whole = Path(scratch) / "film.mp4"
+        film_mission(result).save(whole)
+        shrink_film(whole, folder / "mission.webp", width=800)
 
 
 @dataclass(frozen=True)
@@ -442,7 +444,7 @@ PICTURES = {
     "currents": Picture(currents, ("currents.png",)),
     "edge-map": Picture(edge_map, ("edge-map.png",)),
     "parity": Picture(parity, ("parity.png",)),
-    "mission": Picture(mission, ("mission-phases.png", "mission-map.png")),
+    "mission": Picture(mission, ("mission-phases.png", "mission-map.png", "mission.webp")),
 }
 KEPT_FILES = ("cockpit-path.png", "follow.webp")
 """Files of the front pages, which are in the repository."""

@@ -1,6 +1,7 @@
 """`laticauda mission`: what it lists, runs, draws and refuses."""
 
 import json
+import shutil
 
 import pytest
 
@@ -25,6 +26,21 @@ def test_a_short_run_tells_where_it_ended_and_draws_map_and_phases(model, tmp_pa
     assert all((tmp_path / name).stat().st_size > 10_000 for name in ("map.png", "phases.png"))
 
 
+def test_a_run_and_the_worst_runs_of_a_campaign_are_filmed(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    short = ["mission", "net-inspection", "--duration", "2", "--speed", "60"]
+    assert main([*short, "--video", "run.webp"]) == 0
+    assert (tmp_path / "run.webp").read_bytes()[8:12] == b"WEBP"
+    if shutil.which("ffmpeg") is None:
+        pytest.skip("no ffmpeg")
+    capsys.readouterr()
+    assert main([*short, "--runs", "2", "--table", "rows.csv", "--films", "1", "--json"]) == 0
+    facts = json.loads(capsys.readouterr().out)
+    worst = facts["worst"][0]
+    assert facts["films"] == [f"rows-{worst}.mp4"]
+    assert b"ftyp" in (tmp_path / f"rows-{worst}.mp4").read_bytes()[:12]
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
@@ -32,7 +48,19 @@ def test_a_short_run_tells_where_it_ended_and_draws_map_and_phases(model, tmp_pa
         (["net-inspection", "--runs", "2"], "--runs must be given together with --table FILE.csv."),
         (
             ["net-inspection", "--runs", "2", "--table", "a.csv", "--plot", "a.png"],
-            "--seed, --save and --plot must be left out with --runs, for one run only.",
+            "--seed, --save, --plot and --video must be left out with --runs, for one run only.",
+        ),
+        (
+            ["net-inspection", "--films", "2"],
+            "--scheduler, --share, --merge and --films must be given together with --runs.",
+        ),
+        (
+            ["net-inspection", "--runs", "2", "--table", "a.csv", "--share", "1/2", "--films", "1"],
+            "--films must be left out with --share, and given with --merge.",
+        ),
+        (
+            ["net-inspection", "--video", "a.avi"],
+            "--video must be a file that ends in .mp4 or .webp or .gif, got a.avi.",
         ),
         (["net-inspection", "--seed", "-1"], "--seed must be a whole number >= 0, got -1."),
     ],

@@ -65,6 +65,10 @@ class Command(Options):
         """Do the work, print the outcome and return the exit status."""
         for file in files_of(self):
             check_output(file.option, file.path, file.endings)
+            if file.is_rendered and file.path is not None:
+                from laticauda.show.pictures import check_video
+
+                check_video()
         with warnings_as_lines():
             outcome = self.run()
         if outcome is None:

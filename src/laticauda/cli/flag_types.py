@@ -27,6 +27,8 @@ class OutputFile:
 
     endings: tuple[str, ...] = ()
     """Allowed endings; if empty, those of the trial formats."""
+    is_rendered: bool = False
+    """Whether MuJoCo's renderer draws what is written."""
 
 
 @dataclass(frozen=True)
@@ -132,8 +134,10 @@ TrialOutput = Annotated[File, OutputFile()]
 """A trial to be written, in any of its formats."""
 PictureOutput = Annotated[File, PICTURES]
 """A picture to be written."""
-VideoOutput = Annotated[File, OutputFile((".mp4",))]
-"""A film to be written."""
+VideoOutput = Annotated[File, OutputFile((".mp4",), is_rendered=True)]
+"""A film in 3D to be written."""
+FilmOutput = Annotated[File, OutputFile((".mp4", ".webp", ".gif"))]
+"""A film seen from above to be written."""
 TomlOutput = Annotated[File, OutputFile((".toml",))]
 """A TOML file to be written."""
 Folder = Annotated[str, _path_flag("DIR")]

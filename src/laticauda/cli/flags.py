@@ -31,6 +31,7 @@ from laticauda.cli.flag_types import (
     FileArgument as FileArgument,
     FileArguments as FileArguments,
     Files as Files,
+    FilmOutput as FilmOutput,
     Folder as Folder,
     Internal as Internal,
     NameList as NameList,

@@ -1,12 +1,15 @@
 """`laticauda mission`: a robot on a mission, once, under drawn conditions, or many times."""
 
+from collections.abc import Sequence
 from dataclasses import asdict, fields, replace
+from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from laticauda.cli.command import Command, Outcome
 from laticauda.cli.flags import (
     BadFlag,
     File,
+    FilmOutput,
     OutputFile,
     PictureOutput,
     PresetArgument,
@@ -32,6 +35,7 @@ from laticauda.missions import (
     draw_conditions,
     draw_map,
     draw_phases,
+    film_mission,
     list_missions,
     load_mission,
     merge_campaign,
@@ -39,9 +43,11 @@ from laticauda.missions import (
     run_mission,
     summarize_campaign,
 )
+from laticauda.missions.campaign import N_WORST
 from laticauda.models.simulate import connected
 from laticauda.scenarios import MODELS, Model, Planar, Scenario
 from laticauda.show.figures import save_figure
+from laticauda.show.pictures import find_ffmpeg
 from laticauda.studies import Share, parse_share
 from laticauda.values import option, quantity, to_plain, value_class
 
@@ -75,7 +81,20 @@ class RunMission(Command):
     scheduler: str | None = scheduler_option()
     share: str | None = share_option("table", "--table")
     merge: bool = merge_option("--table")
+    films: int | None = quantity(
+        "",
+        "Film so many of the campaign's worst runs, beside its table",
+        ge=1,
+        le=N_WORST,
+        default=None,
+    )
     save: TrialOutput = option("Write the trial to this file", default=None)
+    video: FilmOutput = option(
+        "Write a film of the run from above (.mp4, .webp or .gif)", default=None
+    )
+    speed: float | None = quantity(
+        "", "Playback speed of films; about 20 s of film if omitted", gt=0.0, default=None
+    )
     plot: PictureOutput = option("Draw a map of the run to this file", default=None)
     diagram: PictureOutput = option("Draw the phases to this file", default=None)
 
@@ -103,6 +122,8 @@ class RunMission(Command):
             result.trial.save(self.save)
         if self.plot is not None:
             save_figure(draw_map(result), self.plot)
+        if self.video is not None:
+            film_mission(result, speed=self.speed).save(self.video)
         return Outcome(facts=_facts_of(result), text=_describe(result))
 
     def _scenario(self, name: str) -> Scenario:
@@ -117,19 +138,24 @@ class RunMission(Command):
     def _check_way_of_running(self) -> None:
         """Refuse options that contradict each other."""
         if self.runs is None:
-            is_of_campaigns = self.scheduler is not None or self.share is not None or self.merge
-            if is_of_campaigns:
+            of_campaigns = (self.scheduler, self.share, self.films, self.merge or None)
+            if any(value is not None for value in of_campaigns):
                 raise BadFlag(
-                    "--scheduler, --share and --merge must be given together with --runs."
+                    "--scheduler, --share, --merge and --films must be given together with --runs."
                 )
             return
         if self.table is None:
             raise BadFlag("--runs must be given together with --table FILE.csv.")
-        if self.seed is not None or self.save is not None or self.plot is not None:
+        of_one_run = (self.seed, self.save, self.plot, self.video)
+        if any(value is not None for value in of_one_run):
             raise BadFlag(
-                "--seed, --save and --plot must be left out with --runs, for one run only."
+                "--seed, --save, --plot and --video must be left out with --runs, for one run only."
             )
         check_way_of_running(self.share, self.scheduler, merge=self.merge)
+        if self.films is not None:
+            if self.share is not None:
+                raise BadFlag("--films must be left out with --share, and given with --merge.")
+            find_ffmpeg()
 
     def _run_campaign(self, scenario: Scenario, seeds: range, table: str) -> Outcome:
         """Run a campaign, or a share of it, or merge its shares, and report what it shows."""
@@ -143,7 +169,23 @@ class RunMission(Command):
         else:
             rows = self._run_seeds(scenario, seeds, table)
         summary = summarize_campaign(rows)
-        return Outcome(facts=to_plain(asdict(summary)), text=_describe_campaign(summary))
+        films = self._film_worst(scenario, summary.worst, Path(table))
+        facts: dict[str, Any] = {**to_plain(asdict(summary)), "films": films}
+        return Outcome(facts=facts, text="\n".join((_describe_campaign(summary), *films)))
+
+    def _film_worst(self, scenario: Scenario, worst: Sequence[int], table: Path) -> list[str]:
+        """Film the worst runs of a campaign, by their seeds, beside its table; return the files."""
+        if self.films is None:
+            return []
+        conditions = _conditions_of(scenario)
+        files: list[str] = []
+        for seed in worst[: self.films]:
+            draw = draw_conditions(conditions, seed)
+            result = run_mission(change_scenario(scenario, conditions, draw))
+            file = table.with_name(f"{table.stem}-{seed}.mp4")
+            film_mission(result, speed=self.speed).save(file)
+            files.append(str(file))
+        return files
 
     def _run_seeds(
         self, scenario: Scenario, seeds: range, table: str, share: Share | None = None

@@ -36,6 +36,8 @@ class RequestedFile(NamedTuple):
     """Path that was typed; None: the file is not requested."""
     endings: Sequence[str]
     """Allowed endings of the file name."""
+    is_rendered: bool
+    """Whether MuJoCo's renderer draws what is written."""
 
 
 def files_of(command: Any) -> Iterator[RequestedFile]:
@@ -51,7 +53,7 @@ def files_of(command: Any) -> Iterator[RequestedFile]:
             for mark in marks:
                 if isinstance(mark, OutputFile):
                     endings = mark.endings or Format.endings()
-                    yield RequestedFile(name, getattr(part, name), endings)
+                    yield RequestedFile(name, getattr(part, name), endings, mark.is_rendered)
 
 
 def check_output(option: str, path: str | None, endings: Sequence[str]) -> None:
@@ -80,9 +82,9 @@ def check_output(option: str, path: str | None, endings: Sequence[str]) -> None:
     if not _is_writable(file):
         raise BadArgument(option, f"must be a writable file, got {path}: permission denied")
     if file.suffix.lower() == ".mp4":
-        from laticauda.show.pictures import check_video
+        from laticauda.show.pictures import find_ffmpeg
 
-        check_video()
+        find_ffmpeg()
 
 
 def _is_writable(file: Path) -> bool:

@@ -13,6 +13,10 @@ inspection.py  how near the body came to places, and what was seen of a net
 campaign.py    one mission in many waters, with sensors that fail
 campaign_table.py  the rows of a campaign in a CSV file
 drawing.py     pictures: the table as a diagram, a run as a map
+film.py        films of runs, in time lapse
+film_frame.py  what stays the same in their pictures
+film_water.py  the water in them
+sensed.py      what the sensors told, for films
 files.py       missions as files, in TOML
 """
 
@@ -51,6 +55,7 @@ if TYPE_CHECKING:
         list_missions as list_missions,
         load_mission as load_mission,
     )
+    from laticauda.missions.film import film_mission as film_mission
     from laticauda.missions.inspection import (
         find_net as find_net,
         measure_clearance as measure_clearance,
@@ -109,6 +114,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.missions.drawing": ["draw_map", "draw_phases"],
         "laticauda.missions.estimate": ["Echo", "Estimate"],
         "laticauda.missions.files": ["list_missions", "load_mission"],
+        "laticauda.missions.film": ["film_mission"],
         "laticauda.missions.inspection": ["find_net", "measure_clearance", "measure_share_seen"],
         "laticauda.missions.mission": ["Mission", "Way"],
         "laticauda.missions.navigation": ["Navigation"],

@@ -29,7 +29,11 @@ if TYPE_CHECKING:
         write_still as write_still,
     )
     from laticauda.show.pictures.stage import Studio as Studio
-    from laticauda.show.pictures.video import check_video as check_video, write_video as write_video
+    from laticauda.show.pictures.video import (
+        check_video as check_video,
+        find_ffmpeg as find_ffmpeg,
+        write_video as write_video,
+    )
     from laticauda.show.pictures.window import show_in_window as show_in_window
 
 __getattr__, __dir__, __all__ = lazy_exports(
@@ -41,7 +45,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.show.pictures.posture": ["read_posture"],
         "laticauda.show.pictures.render": ["render_film", "write_still"],
         "laticauda.show.pictures.stage": ["Studio"],
-        "laticauda.show.pictures.video": ["check_video", "write_video"],
+        "laticauda.show.pictures.video": ["check_video", "find_ffmpeg", "write_video"],
         "laticauda.show.pictures.window": ["show_in_window"],
     },
 )
