@@ -28,6 +28,7 @@ from laticauda.tank.operate.verdict.model_run import swim_model
 from laticauda.tank.operate.verdict.recorded_run import CycleMotion, RecordedRun
 from laticauda.tank.operate.verdict.signals import range_so_far, swing_of
 from laticauda.tank.operate.verdict.verdict import CHECKS
+from laticauda.values import value_class
 
 ROBOT, WATER = lc.load_robot("mamba"), lc.load_water("paper-lateral")
 GAIT = lc.lateral_undulation(
@@ -787,6 +788,29 @@ def test_a_robot_that_becomes_faster_is_seen_and_one_that_always_was_is_noted(tr
     assert (always["speed_change"].outcome, always["model_speed"].outcome) == ("ok", "noted")
     assert always["model_speed"].value == pytest.approx(math.log(1.5), abs=0.05)
     assert always["model_speed"].since == pytest.approx(CYCLES * 3.0)
+
+
+@value_class
+class SwimThenGlide(lc.Controller[None]):
+    """A gait that ends in time to glide for a while."""
+
+    gait: lc.Gait = GAIT
+    interval: float = 0.1
+
+    def init(self):
+        return None
+
+    def step(self, state, observation):
+        if observation.time < 12.0:
+            return None, lc.Command(gait=GAIT)
+        return None, lc.Command(gait=replace(GAIT, amplitude=0.0))
+
+
+def test_a_robot_that_glides_as_its_model_does_has_not_changed():
+    glided = lc.run(PLANT, SwimThenGlide(), 3.0 * CYCLES + STEP, sample_interval=STEP)
+    speed = np.linalg.norm(glided.center_of_mass_velocity, axis=1)
+    assert speed[-1] < 0.15 * np.median(speed)
+    assert judged(log_of(glided))["speed_change"].share < 0.3
 
 
 def test_a_robot_that_always_was_slower_is_noted(truth):

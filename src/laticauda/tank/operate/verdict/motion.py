@@ -97,8 +97,12 @@ def _usual_advance(model: CycleMotion) -> float:
 
 
 def _speed_ratio(robot: CycleMotion, model: CycleMotion) -> Steps:
-    """Return the robot's speed divided by the model's, from cycle to cycle [-]."""
+    """Return the robot's speed divided by the model's, from cycle to cycle [-].
+
+    Where both are slow, as at the start or at rest, their difference is related to a share of the
+    usual speed: two robots that glide alike have a ratio of one.
+    """
     usual_advance = _usual_advance(model)
     robot_speed = robot.advance / usual_advance
     model_speed = model.advance / usual_advance
-    return robot_speed / np.maximum(model_speed, SMALLEST_SPEED_SHARE)
+    return 1.0 + (robot_speed - model_speed) / np.maximum(model_speed, SMALLEST_SPEED_SHARE)
