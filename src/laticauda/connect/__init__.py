@@ -1,4 +1,4 @@
-"""Co-simulation: plants driven by other tools.
+"""Co-simulation: plants driven by other tools; and animats of FARMS, which are read.
 
 A server for Octave, MATLAB and any other program with sockets and JSON, and FMUs and C libraries,
 which run without Python.
@@ -11,6 +11,7 @@ which run without Python.
 - `budget`: memory limits
 - `native`: planar kernels without Python, and libraries in C
 - `fmu`, `web`: FMUs, and web pages without a server
+- `farms`: animats of FARMS, read as robots and networks
 - `clients`: programs in other languages that talk to the server
 """
 
@@ -20,6 +21,7 @@ from typing import TYPE_CHECKING
 from laticauda.values import lazy_exports
 
 if TYPE_CHECKING:
+    from laticauda.connect.farms import FarmsAnimat as FarmsAnimat, load_farms as load_farms
     from laticauda.connect.fmu import LinkingFailed as LinkingFailed, export_fmu as export_fmu
     from laticauda.connect.messages import (
         MESSAGE_BYTES as MESSAGE_BYTES,
@@ -40,6 +42,7 @@ def clients_folder() -> Path:
 __getattr__, __dir__, __all__ = lazy_exports(
     __name__,
     {
+        "laticauda.connect.farms": ["FarmsAnimat", "load_farms"],
         "laticauda.connect.fmu": ["LinkingFailed", "export_fmu"],
         "laticauda.connect.messages": ["MESSAGE_BYTES", "PROTOCOL_VERSION"],
         "laticauda.connect.native.c_library": ["export_c"],
