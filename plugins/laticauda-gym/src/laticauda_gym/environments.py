@@ -76,7 +76,8 @@ def spaces(task: Swimming) -> tuple[gymnasium.spaces.Box, gymnasium.spaces.Box]:
     Args:
         task: Task of the robot.
     """
-    sees = gymnasium.spaces.Box(-BOUND, BOUND, (len(task.sights),), np.float64)
+    n_numbers = len(task.sights) + len(task.reading_names)
+    sees = gymnasium.spaces.Box(-BOUND, BOUND, (n_numbers,), np.float64)
     return sees, gymnasium.spaces.Box(-1.0, 1.0, (len(task.actions),), np.float64)
 
 

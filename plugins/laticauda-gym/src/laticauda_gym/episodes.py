@@ -4,8 +4,9 @@ Every lane has its own random number generator, so what happens in it depends on
 its actions: the n-th of many lanes does what a single lane with the same seed does.
 """
 
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -16,18 +17,19 @@ from laticauda.models.dynamics import Motion, School
 from laticauda.models.simulate import school_of
 from laticauda.scenarios import interfaces
 from laticauda.values import BadArgument, check_choice, check_finite
+from laticauda_gym.senses import SensesOfLanes, units_of_readings
 from laticauda_gym.swimming import FLOW, Step, Swimming
 
 BOUND = 10.0
-"""Numbers of an observation are clipped at plus and minus this value [-]."""
+"""Numbers of an observation are clipped at plus and minus this value; what a sensor does not tell is this value [-]."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Outcome:
     """Result of a step, one entry per lane."""
 
-    observation: Float[np.ndarray, "n n_sights"]
-    """Observations in the units of the task's `sights`, clipped at `BOUND` [-]."""
+    observation: Float[np.ndarray, "n n_observed"]
+    """The task's `sights`, then what its sensors tell, in their units, clipped at `BOUND` [-]."""
     reward: Float[np.ndarray, " n"]
     """Rewards [-]."""
     terminated: Bool[np.ndarray, " n"]
@@ -73,6 +75,9 @@ class Episodes:
         self._names_of_actions = [action.name for action in task.actions]
         self._sights = task.sights
         self._units = np.array([sight.unit for sight in self._sights])
+        sensors = task.scenario.model.sensors
+        self._units_of_readings = units_of_readings(sensors, task.reading_units)
+        self._senses = SensesOfLanes(task.scenario, n)
         self.middle = np.array([0.5 * (action.low + action.high) for action in task.actions])
         """What actions of 0 command; steering adds to the gait's own offset."""
         self.middle += [
@@ -92,7 +97,7 @@ class Episodes:
         return {name: values.copy() for name, values in self._drawn.items()}
 
     @property
-    def seen(self) -> Float[np.ndarray, "n n_sights"]:
+    def seen(self) -> Float[np.ndarray, "n n_observed"]:
         """Observations before anything has happened, for lanes whose episodes have just begun."""
         return self._observed(self._step(self.motion))
 
@@ -136,6 +141,22 @@ class Episodes:
             else [self._flow(lane) for lane in lanes.tolist()],
         )
         self._n_steps[lanes] = 0
+        for lane in lanes.tolist():
+            self._senses.begin(lane, self._water(lane), generators[lane])
+
+    def _water(self, lane: int) -> robot.Environment:
+        """Return the water in a lane, with the current of its episode."""
+        environment = self.task.scenario.environment
+        if not isinstance(environment, robot.Water):
+            return environment
+        if self.task.flow is not None:
+            return replace(environment, current=self._flow(lane))
+        if "current_speed" not in self._drawn:
+            return environment
+        speed = self._drawn["current_speed"][lane].item()
+        direction = self._drawn["current_direction"][lane].item()
+        current = speed * math.cos(direction), speed * math.sin(direction)
+        return replace(environment, current=current)
 
     def _flow(self, lane: int) -> robot.Current:
         """Return the current of the water in a lane."""
@@ -173,11 +194,14 @@ class Episodes:
         )
 
     def _observed(self, step: Step) -> np.ndarray:
-        return np.clip(
-            np.stack([sight.of(step) for sight in self._sights], axis=1) / self._units,
-            -BOUND,
-            BOUND,
-        )
+        numbers = np.stack([sight.of(step) for sight in self._sights], axis=1) / self._units
+        if self.task.reading_names:
+            for lane in np.flatnonzero(self.school.is_well).tolist():
+                self._senses.look(lane, self.school.observe(lane))
+            readings = self._senses.values / self._units_of_readings
+            readings = np.where(np.isnan(readings), BOUND, readings)
+            numbers = np.concatenate((numbers, readings), axis=1)
+        return np.clip(numbers, -BOUND, BOUND)
 
     def _fixed(self, given: Mapping[str, Any]) -> dict[str, np.ndarray]:
         fixed: dict[str, np.ndarray] = {}

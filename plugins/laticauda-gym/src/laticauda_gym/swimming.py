@@ -21,8 +21,17 @@ from laticauda.models.simulate import change_parameters, look_up
 from laticauda.models.simulate.numbers import list_parameters
 from laticauda.robot import Current, Robot, Water
 from laticauda.scenarios import Changes, Scenario, build_scenario
-from laticauda.values import check_instance, check_within, option, quantity, value_class
+from laticauda.values import (
+    check_choice,
+    check_instance,
+    check_positive,
+    check_within,
+    option,
+    quantity,
+    value_class,
+)
 from laticauda.water.fluid import Flow
+from laticauda_gym.senses import names_of_readings
 
 Numbers = Float[np.ndarray, " n"]
 
@@ -149,6 +158,10 @@ class Swimming(ABC):
         "Ranges from which episodes draw numbers of the flow; seeds are drawn anyway",
         default_factory=dict[str, Any],
     )
+    reading_units: Mapping[str, float] = option(
+        "What is observed as 1 of what sensors tell, by sensor or by value, such as sonar or beacon_range; else 1 [SI]",
+        default_factory=dict[str, Any],
+    )
     interval: float = quantity("s", "Time between actions", gt=0.0, default=0.2)
     failure_reward: float = quantity(
         "", "Reward of the last step if it diverges", ge=-1e9, le=0.0, default=-1000.0
@@ -158,6 +171,11 @@ class Swimming(ABC):
         """Check that the fields fit together."""
         check_instance("scenario.motion", self.scenario.motion, lc.Gait)
         check_within("interval", self.interval, 0.0, self.scenario.duration, "s")
+        sensors = self.scenario.model.sensors
+        known = (*(sensor.name for sensor in sensors), *self.reading_names)
+        for name, unit in self.reading_units.items():
+            check_choice("reading_units", name, known)
+            check_positive(f"reading_units.{name}", unit, "")
         for end in ("low", "high"):
             self.current({draw.name: getattr(draw, end) for draw in self.flow_draws})
 
@@ -222,6 +240,11 @@ class Swimming(ABC):
     @abstractmethod
     def sights(self) -> tuple[Sight, ...]:
         """Numbers of an observation."""
+
+    @property
+    def reading_names(self) -> tuple[str, ...]:
+        """Names of what the sensors of the scenario's model tell, which observations hold behind the sights."""
+        return names_of_readings(self.scenario.model.sensors)
 
     @abstractmethod
     def reward(self, step: Step) -> Numbers:
