@@ -24,6 +24,7 @@ from numba.np.arrayobj import populate_array
 
 from laticauda.compiling import INLINED, PROCESSOR, Target, compiling_for, inlined
 from laticauda.compiling.formulas import in_numbers, reason_of
+from laticauda.connect.native import sensor_formulas
 from laticauda.models.planar import VX, VY, specialize
 from laticauda.motion.joints import JointLaw
 from laticauda.values import formulas, scalars
@@ -73,7 +74,9 @@ INPUT_ROWS = 20
 """Piece of the rows that variables set at every step."""
 OUTPUT_ROWS = 23
 """Piece of the variables that are sums of rows."""
-HEADER = 26
+SENSORS = 26
+"""Position of where the outputs of sensors stand, see `laticauda.connect.native.sensors`."""
+HEADER = 27
 """Size of the header."""
 
 NONE = -1
@@ -230,6 +233,9 @@ def native_target() -> Target:
 # ---- the function --------------------------------------------------------------------------------
 
 
+write_sensors = _inner(sensor_formulas.write_sensors)
+
+
 @_inner
 def _assign(whole, real, piece, v, rows):
     """Set rows that are multiples of variables."""
@@ -306,6 +312,7 @@ def _build_move(run: Any) -> Any:
             _log_at(_beyond(rows, whole[N_ROWS])),
         )
         _write_outputs(whole, real, rows, v)
+        write_sensors(whole, real, whole[SENSORS], v)
         n_samples = 1 if steps == 0 else 2
         return 1 if written == n_samples else 0
 

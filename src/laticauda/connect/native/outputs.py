@@ -8,6 +8,7 @@ from laticauda.connect.native.joint_rows import (
     list_body_joints,
     list_fin_joints,
 )
+from laticauda.connect.native.sensors import list_sensor_outputs
 from laticauda.connect.native.variable import RowShare, Variable, one_row
 from laticauda.models.planar import PlanarPlant, rows
 from laticauda.robot import has_power_model
@@ -170,6 +171,7 @@ def list_outputs(plant: PlanarPlant) -> Iterator[Variable]:
     yield from _list_joint_outputs(plant)
     yield from _list_fin_outputs(plant)
     yield from _list_powers(plant)
+    yield from list_sensor_outputs(plant)
 
 
 def _list_link_angles(plant: PlanarPlant) -> Iterator[Variable]:

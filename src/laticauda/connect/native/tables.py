@@ -9,7 +9,8 @@ import numpy as np
 from jaxtyping import Float, Int
 
 import laticauda as lc
-from laticauda.connect.native import entry
+from laticauda.connect.native import entry, sensor_formulas
+from laticauda.connect.native.sensors import find_head_shares, warn_of_missing_sensors
 from laticauda.connect.native.variable import Causality, Variable
 from laticauda.connect.native.variables import list_variables
 from laticauda.connect.native.water_slopes import find_water_slopes
@@ -79,6 +80,7 @@ def build_tables_of_scenario(
         check_instance(name, getattr(scenario, name), required_class)
     plant = cast(model.PlanarPlant, lc.build_plant(scenario))
     plant.flow.refuse_tables("an FMU or a library in C")
+    warn_of_missing_sensors(plant)
     scenario_gait = scenario.gait
     if inputs == "references":
         if plant.joints.prescribed:
@@ -120,6 +122,7 @@ def build_tables(
     _add_variable_numbers(builder, variables)
     _add_water(builder, plant, variables)
     _add_variable_rows(builder, variables)
+    _add_sensors(builder, plant, variables)
     return Tables(
         variables=variables,
         whole=builder.integers(),
@@ -167,6 +170,12 @@ class _TablesBuilder:
         piece = [begin_of_pairs, begin_of_factors, len(items)]
         self.header[position : position + entry.PIECE_SIZE] = piece
         self._reals.extend(item.factor for item in items)
+
+    def append_reals(self, numbers: Iterable[float]) -> int:
+        """Append reals, and return where they begin."""
+        begin = len(self._reals)
+        self._reals.extend(numbers)
+        return begin
 
     def integers(self) -> np.ndarray:
         """Return the array of integers, the header first."""
@@ -228,6 +237,33 @@ def _add_variable_rows(builder: _TablesBuilder, variables: Sequence[Variable]) -
     builder.append_piece(entry.INPUT_ROWS, _list_row_shares(variables, "input"))
     time = PieceItem(first=0, second=rows.TIME, factor=1.0)
     builder.append_piece(entry.OUTPUT_ROWS, [time, *_list_row_shares(variables, "output")])
+
+
+def _add_sensors(
+    builder: _TablesBuilder, plant: model.PlanarPlant, variables: Sequence[Variable]
+) -> None:
+    """Add where the formulas of sensors find what they need."""
+    numbers = {variable.name: number for number, variable in enumerate(variables)}
+    formulas: list[int] = []
+    n_formulas = 0
+    for number, variable in enumerate(variables):
+        if variable.formula is not None:
+            n_formulas += 1
+            formulas += [
+                number,
+                variable.formula.kind,
+                builder.append_reals(variable.formula.numbers),
+            ]
+    layout = [0] * sensor_formulas.FORMULAS
+    layout[sensor_formulas.N_FORMULAS] = n_formulas
+    if n_formulas:
+        layout[sensor_formulas.N_LINKS] = plant.robot.n_links
+        layout[sensor_formulas.CENTER_OF_MASS] = numbers["center_of_mass.x"]
+        layout[sensor_formulas.HEADING_RATE] = numbers["heading_rate"]
+        layout[sensor_formulas.LINK_ANGLE] = numbers["link_angle[0]"]
+        layout[sensor_formulas.JOINT_RATE] = numbers["joint_rate[0]"]
+        layout[sensor_formulas.HEAD_SHARES] = builder.append_reals(find_head_shares(plant))
+    builder.header[entry.SENSORS] = builder.append([*layout, *formulas])
 
 
 def _list_row_shares(variables: Sequence[Variable], causality: Causality) -> list[PieceItem]:

@@ -22,6 +22,15 @@ class RowShare(NamedTuple):
     """Factor of the row in an output, or of the variable in a row that it sets."""
 
 
+class SensorFormula(NamedTuple):
+    """What a sensor measures; see `laticauda.connect.native.sensor_formulas`."""
+
+    kind: int
+    """What it is."""
+    numbers: tuple[float, ...] = ()
+    """Numbers of the sensor that it needs."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Variable:
     """One number that is exchanged with another tool."""
@@ -46,6 +55,8 @@ class Variable:
     """Rows and factors: an output is their weighted sum; for others, each row is set to its factor times the value."""
     start_rows: tuple[RowShare, ...] = ()
     """Rows and factors of an input that apply only at the start."""
+    formula: SensorFormula | None = None
+    """What a sensor measures, of an output that is not a sum of rows."""
     coefficient: str = ""
     """Name of the field of `Water` that a parameter represents, if no single row holds it [-]."""
 

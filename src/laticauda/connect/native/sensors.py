@@ -1,0 +1,117 @@
+"""Outputs of the sensors in a scenario's model: what they measure without noise, by the names of logs.
+
+Rate, latency, noise, losses and faults are left to the tool that runs the robot.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from laticauda.connect.native import sensor_formulas as formulas
+from laticauda.connect.native.variable import SensorFormula, Variable
+from laticauda.models.planar import PlanarPlant
+from laticauda.robot import move_head
+from laticauda.sensing import (
+    AcousticPosition,
+    Compass,
+    DepthGauge,
+    DopplerVelocity,
+    InertialUnit,
+    Sensor,
+)
+from laticauda.values import warn_caller
+
+ZERO = SensorFormula(kind=formulas.CONSTANT, numbers=(0.0,))
+
+
+def list_sensor_outputs(plant: PlanarPlant) -> Iterator[Variable]:
+    """Yield an output for every value that a sensor tells and the compiled function can compute.
+
+    Args:
+        plant: Plant in water.
+    """
+    for sensor in plant.settings.sensors:
+        for column, (unit, formula) in _formulas_of(sensor, plant).items():
+            yield Variable(
+                name=f"{sensor.name}_{column}",
+                causality="output",
+                unit=unit,
+                description=f"What the sensor {sensor.name} measures, without noise, at this moment.",
+                formula=formula,
+            )
+
+
+def warn_of_missing_sensors(plant: PlanarPlant) -> None:
+    """Say which values of sensors the compiled function cannot compute.
+
+    Args:
+        plant: Plant in water.
+    """
+    missing: list[str] = []
+    for sensor in plant.settings.sensors:
+        known = _formulas_of(sensor, plant)
+        missing += [f"{sensor.name}_{name}" for name in sensor.columns if name not in known]
+    if missing:
+        warn_caller(
+            f"there are no outputs for {', '.join(missing)}: C code has neither places nor loads, "
+            "and knows where the head is only if no fin bends or is driven.",
+            UserWarning,
+        )
+
+
+def find_head_shares(plant: PlanarPlant) -> list[float]:
+    """Return how far every link puts the tip of the head ahead of the center of mass, along the link [m].
+
+    Args:
+        plant: Plant in water, without joints in its fin.
+    """
+    n_links = plant.robot.n_links
+    shares: list[float] = []
+    for link in range(n_links):
+        # Only this link points along y.
+        link_angle = np.zeros(n_links)
+        link_angle[link] = 0.5 * np.pi
+        tip = move_head(
+            plant.robot,
+            center_of_mass=np.zeros(2),
+            velocity=np.zeros(2),
+            link_angle=link_angle,
+            link_rate=np.zeros(n_links),
+            fin_angle=np.zeros(0),
+            fin_rate=np.zeros(0),
+        )
+        shares.append(float(tip.position[1]))
+    return shares
+
+
+def _formulas_of(sensor: Sensor, plant: PlanarPlant) -> dict[str, tuple[str, SensorFormula]]:
+    """Return unit and formula by column, for those that there are."""
+    if plant.robot.fin_joints:
+        return {}
+    depth = getattr(plant.environment, "depth", None) or 0.0
+    if isinstance(sensor, Compass):
+        return {"heading": ("rad", SensorFormula(formulas.HEADING, (sensor.bias,)))}
+    if isinstance(sensor, DepthGauge):
+        return {"depth": ("m", SensorFormula(formulas.CONSTANT, (depth,)))}
+    if isinstance(sensor, DopplerVelocity) and not sensor.through_water:
+        return {
+            "forward": ("m/s", SensorFormula(formulas.FORWARD)),
+            "left": ("m/s", SensorFormula(formulas.LEFT)),
+            "up": ("m/s", ZERO),
+        }
+    if isinstance(sensor, InertialUnit):
+        bias = SensorFormula(formulas.CONSTANT, (sensor.turn_bias,))
+        return {
+            "turn_x": ("rad/s", bias),
+            "turn_y": ("rad/s", bias),
+            "turn_z": ("rad/s", SensorFormula(formulas.TURN_RATE, (sensor.turn_bias,))),
+        }
+    if isinstance(sensor, AcousticPosition):
+        x, y, z = sensor.beacon
+        numbers = (x, y, z + depth, sensor.largest_range)
+        return {
+            "range": ("m", SensorFormula(formulas.RANGE, numbers)),
+            "bearing": ("rad", SensorFormula(formulas.BEARING, numbers)),
+            "elevation": ("rad", SensorFormula(formulas.ELEVATION, numbers)),
+        }
+    return {}
