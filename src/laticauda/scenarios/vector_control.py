@@ -14,13 +14,16 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from laticauda.scenarios.interfaces import Command, Controller, Observation
+from laticauda.sensing import BodyLoads
 from laticauda.values import BadArgument, check_choice, check_instance
 
-Decisions: TypeAlias = Mapping[str, Float[np.ndarray, " n"]] | Sequence[Command | None]
-"""What many robots are to do: numbers by name of `STEERED`, or a command each; None: as before."""
+Decisions: TypeAlias = Mapping[str, Float[np.ndarray, "n ..."]] | Sequence[Command | None]
+"""What many robots are to do: numbers by name of `STEERED`, `REFERENCES`, or a command each; None: as before."""
 
 STEERED = ("amplitude", "frequency", "phase_shift", "offset")
 """What arrays may command: gait parameters; the offset is that which steering adds to the gait's own."""
+REFERENCES = "references"
+"""Name of what arrays may command instead: an angle for every joint, one row per robot."""
 
 
 class Observations:
@@ -65,20 +68,34 @@ class Observations:
     @cached_property
     def joint_angle(self) -> Float[np.ndarray, "n n_joints"]:
         """phi [rad]."""
-        return self._stack("joint_angle")
+        return self.collect("joint_angle")
 
     @cached_property
     def joint_rate(self) -> Float[np.ndarray, "n n_joints"]:
         """phi' [rad/s]."""
-        return self._stack("joint_rate")
+        return self.collect("joint_rate")
 
     @cached_property
     def link_angle(self) -> Float[np.ndarray, "n n_links"]:
         """theta [rad]."""
-        return self._stack("link_angle")
+        return self.collect("link_angle")
 
-    def _stack(self, name: str) -> np.ndarray:
-        """Return a field of all observations, one row per robot."""
+    @cached_property
+    def loads(self) -> BodyLoads:
+        """What links and joints bear, see `Observation.loads`: its fields with one row per robot."""
+        loads_of_robots = [vars(self.of_robot(i).loads) for i in range(len(self))]
+        columns = {
+            name: np.stack([loads[name] for loads in loads_of_robots])
+            for name in loads_of_robots[0]
+        }
+        return BodyLoads(**columns)
+
+    def collect(self, name: str) -> np.ndarray:
+        """Return a field of all observations, one row per robot.
+
+        Args:
+            name: Its name.
+        """
         return np.stack([getattr(self.of_robot(i), name) for i in range(len(self))])
 
 
@@ -89,7 +106,7 @@ class VectorController(ABC):
     """Quantities of the last control instant, as `Controller.signals` returns them, one number per robot."""
 
     @abstractmethod
-    def step(self, observations: Observations) -> Mapping[str, Float[np.ndarray, " n"]]:
+    def step(self, observations: Observations) -> Mapping[str, Float[np.ndarray, "n ..."]]:
         """Return what every robot is to do until the next control instant.
 
         Args:
@@ -98,7 +115,8 @@ class VectorController(ABC):
         Returns:
             By name, one number per robot of any of amplitude [rad], frequency [rad/s], phase_shift
             [rad] and offset [rad], which is added to that of the gait. What is left out stays as
-            it is.
+            it is. Or references alone: one row per robot with the angle of every joint [rad], as
+            `Command.references`.
         """
 
 
@@ -190,20 +208,26 @@ def _place_of_definition(kind: type, name: str) -> int:
     return owners.index(True)
 
 
-def check_decisions(decisions: Mapping[str, Any], n: int) -> dict[str, np.ndarray]:
-    """Return the numbers that a `VectorController` commands, one per robot.
+def check_decisions(
+    decisions: Mapping[str, Any], is_well: Bool[np.ndarray, " n"]
+) -> dict[str, np.ndarray]:
+    """Return the numbers that a `VectorController` commands, one per robot, or one row of references.
 
     Args:
         decisions: Numbers by name.
-        n: Number of robots.
+        is_well: Whether each robot still swims.
 
     Raises:
-        ValueError: If a name is not one of `STEERED`, or there is not one number for each robot.
+        ValueError: If a name is not one of `STEERED` or `REFERENCES`, or there is not one number, or
+            one row of finite references, for each robot.
     """
-    checked: dict[str, np.ndarray] = {}
     check_instance("decisions", decisions, Mapping)
+    if REFERENCES in decisions:
+        return {REFERENCES: _check_references(decisions, is_well)}
+    n = is_well.size
+    checked: dict[str, np.ndarray] = {}
     for name, values in decisions.items():
-        check_choice("decisions", name, STEERED)
+        check_choice("decisions", name, (*STEERED, REFERENCES))
         numbers = np.asarray(values, dtype=float)
         if numbers.shape not in ((), (n,)):
             rule = f"must hold one number for each of the {n} robots"
@@ -212,6 +236,25 @@ def check_decisions(decisions: Mapping[str, Any], n: int) -> dict[str, np.ndarra
             numbers = np.full(n, numbers)
         checked[name] = numbers
     return checked
+
+
+def _check_references(
+    decisions: Mapping[str, Any], is_well: Bool[np.ndarray, " n"]
+) -> Float[np.ndarray, "n n_driven"]:
+    """Return the references among decisions; they must be alone."""
+    if len(decisions) > 1:
+        others = ", ".join(name for name in decisions if name != REFERENCES)
+        raise BadArgument("decisions", f"must hold `references` alone, also got {others}")
+    argument = f"decisions[{REFERENCES!r}]"
+    references = np.asarray(decisions[REFERENCES], dtype=float)
+    n = is_well.size
+    if references.ndim != 2 or len(references) != n:
+        rule = f"must hold a row of angles for each of the {n} robots"
+        raise BadArgument(argument, f"{rule}, got the shape {references.shape}")
+    is_finite = np.isfinite(references)
+    if not (is_finite.all() or is_finite[is_well].all()):
+        raise BadArgument(argument, "must be finite [rad]")
+    return references
 
 
 def kind_of_controller(controller: Controller[Any]) -> object:

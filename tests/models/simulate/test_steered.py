@@ -216,28 +216,107 @@ def test_arrays_that_do_not_fit_the_robots_are_named():
         match=r"`decisions\['offset'\]` must hold one number for each of the 2 robots, got the shape \(3,\)",
     ):
         lc.swim_many(scenarios)
+    Wrong.decisions = {"references": np.zeros(8)}
+    rule = r"`decisions\['references'\]` must hold a row of angles for each of the 2 robots, got the shape \(8,\)"
+    with pytest.raises(ValueError, match=rule):
+        lc.swim_many(scenarios)
+    Wrong.decisions = {"references": np.full((2, 8), np.nan)}
+    with pytest.raises(ValueError, match=r"`decisions\['references'\]` must be finite \[rad\]"):
+        lc.swim_many(scenarios)
+    Wrong.decisions = {"references": np.zeros((2, 8)), "offset": np.zeros(2)}
+    with pytest.raises(
+        ValueError, match="`decisions` must hold `references` alone, also got offset"
+    ):
+        lc.swim_many(scenarios)
+    Wrong.decisions = {"references": np.zeros((2, 8))}
+    with pytest.raises(ValueError, match="`references` must be None for prescribed joints"):
+        lc.swim_many(scenarios)
     Wrong.decisions = {"speed": np.zeros(2)}
     with pytest.raises(ValueError, match=r"`decisions` must be one of `amplitude`.*, got 'speed'"):
         lc.swim_many(scenarios)
 
 
 @dataclass(frozen=True)
-class Holding(lc.Controller[None]):
-    """Holds a bent posture: references from outside, which lanes cannot take."""
+class Feeling(lc.Controller[int]):
+    """References for the joints, which depend on what the body feels; every third instant, the gait swims."""
+
+    gait: lc.Gait = GAIT
+    gain: float = 0.1
+    interval: float = 0.1
+
+    def init(self):
+        return 0
+
+    def step(self, state, observation):
+        if state % 3 == 2:
+            return state + 1, lc.Command(gait=self.gait, offset=self.gain)
+        references = angles_of(observation, self.gain)
+        return state + 1, lc.Command(gait=self.gait, references=tuple(references.tolist()))
+
+
+def angles_of(observation, gain):
+    loads = observation.loads
+    wave = 0.3 * np.sin(np.multiply.outer(observation.time, np.ones(8)) + 0.7 * np.arange(8))
+    felt = 0.01 * loads.pressure_difference[..., 1:] - observation.joint_angle
+    felt = felt + 0.01 * (loads.joint_force[..., 1] + loads.joint_moment[..., 2])
+    felt = felt + 0.01 * (
+        loads.joint_torque + loads.water_force[..., 1:, 0] - loads.fin_force[..., :1]
+    )
+    return wave + gain * felt
+
+
+class FeelingForArrays(Feeling):
+    """The same, written for arrays."""
+
+    @classmethod
+    def vectorize(cls, controllers):
+        return Feelings(np.array([[controller.gain] for controller in controllers]))
+
+
+class Feelings(VectorController):
+    """Moves the joints of many robots as `Feeling` does."""
+
+    def __init__(self, gain):
+        self.gain = gain
+        self.n_instants = 0
+
+    def step(self, observations):
+        self.n_instants += 1
+        if self.n_instants % 3 == 0:
+            return {"offset": self.gain[:, 0]}
+        return {"references": angles_of(observations, self.gain)}
+
+
+@pytest.mark.parametrize("robot", ["mamba", "mamba-fin"])
+@pytest.mark.parametrize("kind", [Feeling, FeelingForArrays])
+def test_references_for_the_joints_of_many_robots_move_each_as_alone(kind, robot, monkeypatch):
+    if kind is FeelingForArrays:
+        monkeypatch.setattr("laticauda.scenarios.vector_control.OneByOne", None)
+    controllers = [kind(gain=0.05 * i) for i in range(3)]
+    scenarios = scenarios_of(controllers, joints=lc.JointLaw.of("servo"), dt=None, loop_delay=0.03)
+    robots = [replace(one, robot=lc.load_robot(robot), duration=2.0) for one in scenarios]
+    check_equal(robots, threads=1)
+
+
+@dataclass(frozen=True)
+class Replaying(lc.Controller[int]):
+    """Swims another recording at every instant, which lanes cannot do."""
 
     gait: lc.Gait = GAIT
     interval: float = 1.0
 
     def init(self):
-        return None
+        return 0
 
     def step(self, state, observation):
-        return None, lc.Command(gait=self.gait, references=(0.1,) * observation.joint_angle.size)
+        times = np.linspace(0.0, 4.0, 9)
+        angles = np.tile(0.1 * np.sin(times + state), (8, 1))
+        recorded = lc.recorded_gait(lc.JointAngles(time=times, angle=angles))
+        return state + 1, lc.Command(gait=recorded)
 
 
 def test_commands_that_lanes_cannot_take_are_run_one_by_one():
-    scenarios = scenarios_of([Holding(), Holding()], joints=lc.JointLaw.of("servo"), dt=None)
-    check_equal(scenarios)
+    check_equal(scenarios_of([Replaying(), Replaying()]))
 
 
 @pytest.mark.filterwarnings("ignore::laticauda.values.ImplausibleWarning")
@@ -278,12 +357,18 @@ def test_progress_of_steered_and_unsteered_runs_adds_up(monkeypatch):
 
 @pytest.mark.filterwarnings("ignore::laticauda.values.InfeasibleWarning")
 def test_trials_side_by_side_are_those_of_single_runs_and_end_where_they_arrive():
-    laws = [follower(), follower(interval=0.2), OffsetSteps(gait=GAIT, interval=0.5), GAIT]
+    laws = [
+        follower(),
+        follower(interval=0.2),
+        OffsetSteps(gait=GAIT, interval=0.5),
+        GAIT,
+        FeelingForArrays(),
+    ]
     scenarios = scenarios_of(laws, joints=lc.JointLaw.of("pd"), dt=None, loop_delay=0.07)
     scenarios[0] = replace(scenarios[0], robot=lc.load_robot("mamba-fin"))
     with_sensors = replace(scenarios[1].model, sensors=(Compass(), Altimeter()))
     scenarios[1] = replace(scenarios[1], model=with_sensors)
-    ends = np.array([0.02, 0.05, 9.0, 9.0])
+    ends = np.array([0.02, 0.05, 9.0, 9.0, 9.0])
 
     def has_arrived(observations, index):
         return observations.center_of_mass[:, 0] >= ends[index]
@@ -310,7 +395,7 @@ def test_trials_side_by_side_are_those_of_single_runs_and_end_where_they_arrive(
 
 @pytest.mark.filterwarnings("ignore::laticauda.values.ImplausibleWarning")
 def test_trials_that_no_fleet_holds_are_run_alone():
-    held = scenarios_of([Holding(), Holding()], joints=lc.JointLaw.of("servo"), dt=None)
+    held = scenarios_of([Replaying(), Replaying()])
     wild = replace(GAIT, amplitude=1.0, frequency=30.0)
     gentle = HeadingController(gain=0.4, max_offset=0.01)
     wild_follower = follower(gait=wild, heading=gentle)

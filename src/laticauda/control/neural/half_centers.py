@@ -15,15 +15,18 @@ References:
 """
 
 import math
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.control.neural.network import Drive, NeuralGait, PerJoint
+from laticauda.control.neural.many import vectorize_networks
+from laticauda.control.neural.network import Drive, NeuralGait, PerJoint, Signals
+from laticauda.scenarios import VectorController
 from laticauda.values import quantity, value_class
 
-Pairs = Float[np.ndarray, "2 n_joints"]
+Pairs = Float[np.ndarray, "2 ... n_joints"]
 
 ADAPTATION_TIME = 2.0
 """tau_v per tau [-]."""
@@ -57,6 +60,15 @@ class HalfCenters(NeuralGait[Neurons]):
         "", "How much a neuron excites the next one toward the head", ge=0.0, default=0.0
     )
 
+    @classmethod
+    def vectorize(cls, controllers: Sequence[Any]) -> VectorController | None:
+        """Return one object that steps the networks of many robots by arrays.
+
+        Args:
+            controllers: The networks, one for each robot.
+        """
+        return vectorize_networks(controllers)
+
     def begin(self, drive: Drive) -> Neurons:
         """Return neurons that are excited as their phases ask.
 
@@ -82,14 +94,14 @@ class HalfCenters(NeuralGait[Neurons]):
         left, right = np.maximum(neurons.excitation, 0.0)
         return drive.offset + drive.amplitude * (left - right) / NATURAL_AMPLITUDE
 
-    def watch(self, neurons: Neurons) -> dict[str, float]:
+    def watch(self, neurons: Neurons) -> Signals:
         """Return the output of every pair for the log.
 
         Args:
             neurons: The neurons.
         """
         left, right = np.maximum(neurons.excitation, 0.0)
-        outputs = (left - right).tolist()
+        outputs = np.moveaxis(left - right, -1, 0)
         return {f"neurons_{i}": output for i, output in enumerate(outputs)}
 
     def rates(self, neurons: Neurons, drive: Drive, felt: PerJoint) -> Neurons:
@@ -103,9 +115,9 @@ class HalfCenters(NeuralGait[Neurons]):
         time_constant = 2.0 * math.pi / (drive.frequency * NATURAL_PERIOD)
         output = np.maximum(neurons.excitation, 0.0)
         from_neighbors = np.zeros_like(output)
-        coupled = self.is_coupled(drive.amplitude.size)
-        from_neighbors[:, :-1] += self.toward_tail * coupled * output[:, 1:]
-        from_neighbors[:, 1:] += self.toward_head * coupled * output[:, :-1]
+        coupled = self.is_coupled(drive.n_joints)
+        from_neighbors[..., :-1] += self.toward_tail * coupled * output[..., 1:]
+        from_neighbors[..., 1:] += self.toward_head * coupled * output[..., :-1]
         feeling = time_constant * np.stack((felt, -felt))
         excitation_rate = (
             1.0

@@ -4,24 +4,30 @@ A network tends to a gait, from which it takes frequency, amplitudes and phase s
 reference of every joint, so it is for joints that take references: servos, pd control, muscles.
 Another controller may steer it: the offset that it commands bends the body, and the amplitude and
 frequency of its gait drive the network.
+
+A network can stand for many (`many.stack_networks`): its numbers are then columns with one row per
+network, and so are those of its neurons and its drive. The formulas of a network take either; joints
+are always the last axis.
 """
 
 import math
 from abc import abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Generic, TypeVar
+from typing import Any, ClassVar, Generic, TypeAlias, TypeVar
 
 import numpy as np
 from jaxtyping import Float
 
 from laticauda.motion.gaits import Gait
 from laticauda.robot import Robot
-from laticauda.scenarios import Command, Controller, Observation
+from laticauda.scenarios import Command, Controller, Observation, Observations
 from laticauda.values import BadArgument, option, quantity, value_class
 
 Neurons = TypeVar("Neurons", bound=tuple[Any, ...])
-PerJoint = Float[np.ndarray, " n_joints"]
+PerJoint = Float[np.ndarray, "... n_joints"]
+Signals: TypeAlias = Mapping[str, float | Float[np.ndarray, " n_networks"]]
+PerNetwork: TypeAlias = Float[np.ndarray, "n_networks 1"]
 
 LONGEST_STEP = 0.01
 """Largest time step by which neurons are integrated [s]."""
@@ -46,18 +52,18 @@ class Feedback:
 
     def __bool__(self) -> bool:
         """Return whether anything is felt."""
-        return self.stretch != 0.0 or self.pressure != 0.0
+        return bool(np.any(self.stretch != 0.0) or np.any(self.pressure != 0.0))
 
-    def felt(self, observation: Observation) -> PerJoint:
+    def felt(self, observation: Observation | Observations) -> PerJoint:
         """Return the rate by which what is felt would pull a phase at most, for every joint [1/s].
 
         Args:
-            observation: What the robot feels.
+            observation: What the robot feels, or what many robots feel.
         """
         rate = self.stretch * observation.joint_angle
-        if self.pressure != 0.0:
+        if np.any(self.pressure != 0.0):
             pressure = observation.loads.pressure_difference
-            at_joints = 0.5 * (pressure[:-1] + pressure[1:])
+            at_joints = 0.5 * (pressure[..., :-1] + pressure[..., 1:])
             rate = rate + self.pressure * at_joints
         return rate
 
@@ -70,10 +76,15 @@ class Drive:
     """Amplitude of every joint [rad]."""
     frequency: PerJoint
     """Natural angular frequency of every joint's neurons [rad/s]."""
-    phase_shift: float
+    phase_shift: float | PerNetwork
     """Phase shift from joint to joint [rad]."""
-    offset: float
+    offset: float | PerNetwork
     """Bend of all joints; positive turns left [rad]."""
+
+    @property
+    def n_joints(self) -> int:
+        """Number of joints."""
+        return self.amplitude.shape[-1]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,7 +101,7 @@ class NetworkState(Generic[Neurons]):
     """When it steered last [s]."""
     command: Command | None = None
     """What it commanded then."""
-    signals: Mapping[str, float] = field(default_factory=dict[str, float])
+    signals: Mapping[str, Any] = field(default_factory=dict[str, Any])
     """Signals of the last instant, for the log."""
 
 
@@ -119,6 +130,9 @@ class NeuralGait(Controller[NetworkState[Neurons]], Generic[Neurons]):
     )
     interval: float = quantity("s", "Time between two control instants", default=0.02, gt=0.0)
 
+    members: "ClassVar[Sequence[NeuralGait[Any]]]" = ()
+    """The networks that this one stands for, if it stands for many."""
+
     def check(self, robot: Robot) -> None:
         """Reject a `robot` with pitch joints, or cuts where it has no joints."""
         if any(joint.axis != "yaw" for joint in robot.joints):
@@ -146,14 +160,14 @@ class NeuralGait(Controller[NetworkState[Neurons]], Generic[Neurons]):
             observation: What the robot feels, and what steering sees.
         """
         state = self._steer(state, observation)
-        drive = self._drive(state.command, observation.joint_angle.size)
+        drive = self.drive(state.command, observation.joint_angle.size)
         now = float(observation.time)
         neurons = state.neurons
         if neurons is None:
             neurons = self.begin(drive)
         elapsed = now - state.time
         if elapsed > 0.0:
-            neurons = self._advance(neurons, drive, observation, elapsed)
+            neurons = self.advance(neurons, drive, observation, elapsed)
         references = self.references(neurons, drive)
         next_state = replace(state, neurons=neurons, time=now, signals=self.watch(neurons))
         return next_state, Command(gait=self.gait, references=tuple(references.tolist()))
@@ -166,15 +180,15 @@ class NeuralGait(Controller[NetworkState[Neurons]], Generic[Neurons]):
             drive: What is asked of them.
         """
 
-    @abstractmethod
     def rates(self, neurons: Neurons, drive: Drive, felt: PerJoint) -> Neurons:
-        """Return the time derivatives of all numbers of the neurons.
+        """Return the time derivatives of all numbers of the neurons; for `move`, unless a class has its own.
 
         Args:
             neurons: The neurons.
             drive: What is asked of them.
             felt: Rate by which feedback would pull each phase at most [1/s].
         """
+        raise NotImplementedError(f"{type(self).__name__} has neither `rates` nor `move`.")
 
     @abstractmethod
     def references(self, neurons: Neurons, drive: Drive) -> PerJoint:
@@ -186,7 +200,7 @@ class NeuralGait(Controller[NetworkState[Neurons]], Generic[Neurons]):
         """
 
     @abstractmethod
-    def watch(self, neurons: Neurons) -> dict[str, float]:
+    def watch(self, neurons: Neurons) -> Signals:
         """Return signals for the log.
 
         Args:
@@ -205,12 +219,14 @@ class NeuralGait(Controller[NetworkState[Neurons]], Generic[Neurons]):
         middle = _moved(neurons, self.rates(neurons, drive, felt), 0.5 * dt)
         return _moved(neurons, self.rates(middle, drive, felt), dt)
 
-    def is_coupled(self, n_joints: int) -> Float[np.ndarray, " n_joints_but_one"]:
+    def is_coupled(self, n_joints: int) -> Float[np.ndarray, "... n_joints_but_one"]:
         """Return 1 where a joint is coupled to the next one, 0 at cuts [-].
 
         Args:
             n_joints: Number of joints.
         """
+        if self.members:
+            return self._stack("is_coupled", n_joints)
         coupled = np.ones(n_joints - 1)
         coupled[list(self.cuts)] = 0.0
         return coupled
@@ -221,9 +237,25 @@ class NeuralGait(Controller[NetworkState[Neurons]], Generic[Neurons]):
         Args:
             drive: What is asked of the network.
         """
-        n_joints = drive.amplitude.size
+        n_joints = drive.n_joints
+        if self.members:
+            shifts = np.ravel(drive.phase_shift)
+            phases = [
+                member.first_phases(n_joints, float(shift))
+                for member, shift in zip(self.members, shifts, strict=True)
+            ]
+            return np.stack(phases)
+        return self.first_phases(n_joints, float(drive.phase_shift))
+
+    def first_phases(self, n_joints: int, phase_shift: float) -> PerJoint:
+        """Return the phases of one network at the start [rad].
+
+        Args:
+            n_joints: Number of joints.
+            phase_shift: Phase shift from joint to joint of its gait [rad].
+        """
         if self.seed is None:
-            return drive.phase_shift * np.arange(n_joints)
+            return phase_shift * np.arange(n_joints)
         random = np.random.default_rng(self.seed)
         return random.uniform(-math.pi, math.pi, n_joints)
 
@@ -233,6 +265,8 @@ class NeuralGait(Controller[NetworkState[Neurons]], Generic[Neurons]):
         Args:
             n_joints: Number of joints.
         """
+        if self.members:
+            return self._stack("natural_shares", n_joints)
         if self.seed is None or self.spread == 0.0:
             return np.ones(n_joints)
         random = np.random.default_rng((self.seed, 1))
@@ -250,8 +284,13 @@ class NeuralGait(Controller[NetworkState[Neurons]], Generic[Neurons]):
         steering, command = self.steering.step(state.steering, observation)
         return replace(state, steering=steering, command=command, steered_at=now)
 
-    def _drive(self, command: Command | None, n_joints: int) -> Drive:
-        """Return what is asked of the network."""
+    def drive(self, command: Command | None, n_joints: int) -> Drive:
+        """Return what is asked of one network.
+
+        Args:
+            command: What steering commands; None: nothing steers.
+            n_joints: Number of joints.
+        """
         gait = self.gait
         offset = gait.offset
         if command is not None:
@@ -265,17 +304,36 @@ class NeuralGait(Controller[NetworkState[Neurons]], Generic[Neurons]):
             offset=offset,
         )
 
-    def _advance(
-        self, neurons: Neurons, drive: Drive, observation: Observation, elapsed: float
+    def advance(
+        self,
+        neurons: Neurons,
+        drive: Drive,
+        observation: Observation | Observations,
+        elapsed: float,
     ) -> Neurons:
-        """Move the neurons by the time since the last instant, in steps that are short enough."""
-        felt = np.zeros(drive.amplitude.size)
+        """Return the neurons some time later, moved in steps that are short enough.
+
+        Args:
+            neurons: The neurons.
+            drive: What is asked of them.
+            observation: What the robot feels, or what many robots feel.
+            elapsed: The time [s].
+        """
+        felt = np.zeros(drive.amplitude.shape)
         if self.feedback:
             felt = self.feedback.felt(observation)
         n_steps = math.ceil(elapsed / LONGEST_STEP - ROUNDING)
         for _ in range(n_steps):
             neurons = self.move(neurons, drive, felt, elapsed / n_steps)
         return neurons
+
+    def _stack(self, method: str, n_joints: int) -> np.ndarray:
+        """Return what a method returns for every network that this one stands for, computed once."""
+        kept: dict[Any, np.ndarray] = vars(self).setdefault("_stacked", {})
+        if (method, n_joints) not in kept:
+            rows = [getattr(member, method)(n_joints) for member in self.members]
+            kept[method, n_joints] = np.stack(rows)
+        return kept[method, n_joints]
 
 
 def _moved(neurons: Neurons, rates: Neurons, dt: float) -> Neurons:

@@ -13,11 +13,16 @@ References:
     swimming based on local hydrodynamic force sensing.
 """
 
+from collections.abc import Sequence
+from functools import cache
+from types import ModuleType
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from laticauda.control.neural.network import Drive, NeuralGait, PerJoint
+from laticauda.control.neural.many import vectorize_networks
+from laticauda.control.neural.network import Drive, NeuralGait, PerJoint, PerNetwork, Signals
+from laticauda.scenarios import VectorController
 from laticauda.values import quantity, value_class
 
 
@@ -30,9 +35,9 @@ class Oscillators(NamedTuple):
     """r [rad]."""
     amplitude_rate: PerJoint
     """r' [rad/s]."""
-    offset: float
+    offset: float | PerNetwork
     """x, the bend of all joints [rad]."""
-    offset_rate: float
+    offset_rate: float | PerNetwork
     """x' [rad/s]."""
 
 
@@ -45,13 +50,22 @@ class PhaseOscillators(NeuralGait[Oscillators]):
         "1/s", "a, how fast amplitudes and offset settle", gt=0.0, default=10.0
     )
 
+    @classmethod
+    def vectorize(cls, controllers: Sequence[Any]) -> VectorController | None:
+        """Return one object that steps the networks of many robots by arrays.
+
+        Args:
+            controllers: The networks, one for each robot.
+        """
+        return vectorize_networks(controllers)
+
     def begin(self, drive: Drive) -> Oscillators:
         """Return oscillators without amplitude.
 
         Args:
             drive: What is asked of them.
         """
-        rest = np.zeros(drive.amplitude.size)
+        rest = np.zeros(drive.n_joints)
         return Oscillators(
             phase=self.initial_phases(drive),
             amplitude=rest,
@@ -67,40 +81,100 @@ class PhaseOscillators(NeuralGait[Oscillators]):
             neurons: The oscillators.
             drive: Ignored: it is in the amplitudes already.
         """
-        return neurons.offset + neurons.amplitude * np.sin(neurons.phase)
+        phase = np.atleast_2d(neurons.phase)
+        waves = np.empty_like(phase)
+        _motion().write_waves(
+            phase,
+            _table_of(neurons.amplitude, phase.shape),
+            _column_of(neurons.offset, len(phase)),
+            waves,
+        )
+        return waves.reshape(neurons.phase.shape)
 
-    def watch(self, neurons: Oscillators) -> dict[str, float]:
+    def watch(self, neurons: Oscillators) -> Signals:
         """Return the phase of every oscillator for the log.
 
         Args:
             neurons: The oscillators.
         """
-        return {f"phase_{i}": phase for i, phase in enumerate(neurons.phase.tolist())}
+        phases = np.moveaxis(neurons.phase, -1, 0)
+        return {f"phase_{i}": phase for i, phase in enumerate(phases)}
 
-    def rates(self, neurons: Oscillators, drive: Drive, felt: PerJoint) -> Oscillators:
-        """Return the time derivatives of all numbers of the neurons.
+    def move(self, neurons: Oscillators, drive: Drive, felt: PerJoint, dt: float) -> Oscillators:
+        """Return the oscillators a time step later, by the midpoint rule.
 
         Args:
-            neurons: The neurons.
+            neurons: The oscillators.
             drive: What is asked of them.
             felt: Rate by which feedback would pull each phase at most [1/s].
+            dt: Time step [s].
         """
-        phase = neurons.phase
-        pull = self.is_coupled(phase.size) * self.coupling
-        pull = pull * np.sin(np.diff(phase) - drive.phase_shift)
-        phase_rate = drive.frequency + felt * np.cos(phase)
-        phase_rate[:-1] += pull
-        phase_rate[1:] -= pull
+        phase = np.atleast_2d(neurons.phase)
+        n_networks, n_joints = phase.shape
+        moved = np.empty_like(phase)
+        coupling = self.coupling * self.is_coupled(n_joints)
+        _motion().move_phases(
+            phase,
+            _table_of(drive.frequency, phase.shape),
+            _table_of(felt, phase.shape),
+            _table_of(coupling, (n_networks, n_joints - 1)),
+            _column_of(drive.phase_shift, n_networks),
+            dt,
+            moved,
+        )
+        amplitude = _Settling.of(neurons.amplitude, neurons.amplitude_rate, phase.shape)
+        amplitude = amplitude.later(drive.amplitude, self.amplitude_rate, dt)
+        offset = _Settling.of(neurons.offset, neurons.offset_rate, (n_networks, 1))
+        offset = offset.later(drive.offset, self.amplitude_rate, dt)
+        shape = neurons.phase.shape
         return Oscillators(
-            phase=phase_rate,
-            amplitude=neurons.amplitude_rate,
-            amplitude_rate=self._settle(
-                drive.amplitude - neurons.amplitude, neurons.amplitude_rate
-            ),
-            offset=neurons.offset_rate,
-            offset_rate=self._settle(drive.offset - neurons.offset, neurons.offset_rate),
+            phase=moved.reshape(shape),
+            amplitude=amplitude.number.reshape(shape),
+            amplitude_rate=amplitude.rate.reshape(shape),
+            offset=offset.number,
+            offset_rate=offset.rate,
         )
 
-    def _settle(self, distance: Any, rate: Any) -> Any:
-        """Return the second derivative that brings a number to its aim without overshoot."""
-        return self.amplitude_rate * (0.25 * self.amplitude_rate * distance - rate)
+
+class _Settling(NamedTuple):
+    """Numbers that settle, as tables."""
+
+    number: np.ndarray
+    """The numbers [rad]."""
+    rate: np.ndarray
+    """Their rates [rad/s]."""
+
+    @classmethod
+    def of(cls, number: Any, rate: Any, shape: tuple[int, ...]) -> "_Settling":
+        return cls(number=_table_of(number, shape), rate=_table_of(rate, shape))
+
+    def later(self, aim: Any, settling: Any, dt: float) -> "_Settling":
+        """Return the numbers a time step later."""
+        shape = self.number.shape
+        moved = _Settling(number=np.empty(shape), rate=np.empty(shape))
+        _motion().settle(*self, _table_of(aim, shape), _column_of(settling, shape[0]), dt, *moved)
+        return moved
+
+
+def _table_of(numbers: Any, shape: tuple[int, ...]) -> np.ndarray:
+    """Return numbers as a table: one for all, a column, a row, or a table."""
+    table = np.asarray(numbers)
+    if table.shape != shape:
+        table = np.broadcast_to(table, shape)
+    return np.ascontiguousarray(table)
+
+
+def _column_of(numbers: Any, n_networks: int) -> np.ndarray:
+    """Return numbers as a column: one for all, or one for each network."""
+    column = np.ravel(numbers)
+    if column.size != n_networks:
+        column = np.broadcast_to(column, n_networks)
+    return np.ascontiguousarray(column)
+
+
+@cache
+def _motion() -> ModuleType:
+    """Return the compiled functions of `oscillator_motion`."""
+    from laticauda.compiling.templates import specialized  # Numba is slow to import
+
+    return specialized("laticauda.control.neural", {"oscillator_motion": ()}, {})

@@ -254,7 +254,7 @@ class Plant(ABC, Generic[ModelType]):
         if link_forces:
             loads = self._compute_loads(state, command, samples, every, dt)
         return Advance(
-            state=self._state_after(state, command, end),
+            state=self.state_after(state, command, end),
             stretch=Stretch(samples, command, loads),
             failure=None,
         )
@@ -264,7 +264,7 @@ class Plant(ABC, Generic[ModelType]):
         """How the driven effectors follow their commands."""
         return EffectorDynamics(self.robot)
 
-    def _state_after(self, state: PlantState, command: Command, end: np.ndarray) -> PlantState:
+    def state_after(self, state: PlantState, command: Command, end: np.ndarray) -> PlantState:
         """Return the state after a march; waves that references replaced continue from where they were.
 
         Args:

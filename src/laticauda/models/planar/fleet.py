@@ -23,7 +23,8 @@ from laticauda.models.planar.batch import (
     block_of,
     columns_of,
 )
-from laticauda.scenarios import Command, Decisions, Observation, Observations
+from laticauda.models.planar.fleet_loads import FleetLoads, LoadsOfLanes
+from laticauda.scenarios import REFERENCES, Command, Decisions, Observation, Observations
 from laticauda.sensing import senses_of
 
 ROW_OF_COMMAND = {
@@ -33,12 +34,24 @@ ROW_OF_COMMAND = {
     "offset": rows.OFFSET,
 }
 """Row of every number that arrays command."""
+_GAIT_NUMBERS = sorted(ROW_OF_COMMAND.values())
 _SEEN = slice(rows.TIME, rows.VY + 1)
 """Rows of what every controller sees: time, heading, position and their rates."""
 
 
 class NeedsRunOfItsOwn(Exception):
-    """A command that the lanes of a fleet cannot take, such as references from an external source."""
+    """A command that the lanes of a fleet cannot take, such as another recording."""
+
+
+class _Held(NamedTuple):
+    """A robot whose joints hold references."""
+
+    state: PlantState
+    """Its state when references took the place of the gait."""
+    command: Command
+    """The first of these commands."""
+    gait_numbers: np.ndarray
+    """Rows of what arrays had commanded of the gait until then."""
 
 
 class Fleet:
@@ -75,6 +88,8 @@ class Fleet:
         self._is_gait_alone = [True] * self.n
         self._gait_offset = np.array([gait.offset for gait in self._gaits])
         self._acting: Decisions | None = None
+        self._held: dict[int, _Held] = {}
+        """Robots whose joints hold references, and what their reference generators paused at."""
         self._senses = [senses_of(run.plant.settings, run.plant.environment) for run in runs]
         self._has_sensors = any(senses is not None for senses in self._senses)
         self._last_seen = self._read(_SEEN)
@@ -120,14 +135,17 @@ class Fleet:
             returns.
 
         Raises:
-            NeedsRunOfItsOwn: If a command is of another kind than a gait with an offset, or switches
-                between recordings.
+            NeedsRunOfItsOwn: If a command switches between recordings, or sets effectors that lanes
+                cannot follow.
         """
         if decisions is self._acting:
             return
         self._acting = decisions
         if isinstance(decisions, Mapping):
-            self._command_numbers(decisions)
+            if REFERENCES in decisions:
+                self._command_references(decisions[REFERENCES])
+            else:
+                self._command_numbers(decisions)
             return
         for i, command in enumerate(decisions):
             if command is not None:
@@ -146,6 +164,7 @@ class Fleet:
         chain = self.plant.layout.chain
         is_implicit = self.plant.is_implicit
         is_in_log = leg.begins_at_sample and leg.ends_at_sample
+        loads = self.loads
         for block in self._blocks_that_swim:
             log = self._log[block]
             part = self._between_samples
@@ -154,6 +173,8 @@ class Fleet:
             # Joints at a control instant are logged as they were under the command before.
             sample_before = part[0].copy() if self._logs_joints else part[0]
             self._kernel(self._lanes[block], *chain, is_implicit, n_steps, dt, every, part)
+            if loads.is_wanted:  # at once, while the processor's cache holds the block
+                loads.evaluate_forces(block)
             if is_in_log:
                 if leg.first > 0 and self._logs_joints:
                     part[0] = sample_before
@@ -162,6 +183,7 @@ class Fleet:
                 log[0] = part[0]
             if leg.ends_at_sample:
                 log[leg.first + 1] = part[1]
+        loads.is_current = loads.is_wanted
         self._note_failures(leg)
 
     def retire(self, has_ended: np.ndarray) -> None:
@@ -218,7 +240,29 @@ class Fleet:
             i: Index of the robot.
         """
         block, lane = divmod(i, WIDTH)
-        return PlantState(values=self._lanes[block, self.plant.layout.state_rows, lane])
+        return self.resume(i, self._lanes[block, self.plant.layout.state_rows, lane])
+
+    def resume(self, i: int, values: np.ndarray) -> PlantState:
+        """Return the state of one robot with its reference generator where it paused, if it did.
+
+        Args:
+            i: Index of the robot.
+            values: The numbers of its state as the kernels left them; they are changed.
+        """
+        if i not in self._held:
+            return PlantState(values=values)
+        held = self._held[i]
+        return self.runs[i].plant.state_after(held.state, held.command, values)
+
+    @cached_property
+    def loads(self) -> LoadsOfLanes:
+        """What evaluates the loads of all robots."""
+        return LoadsOfLanes(self.runs, self._lanes)
+
+    @property
+    def blocks_that_swim(self) -> list[int]:
+        """Blocks of lanes in which any robot still swims."""
+        return self._blocks_that_swim
 
     def _read(self, part: slice) -> np.ndarray:
         """Return rows of all robots: one row per quantity, one column per robot."""
@@ -244,7 +288,11 @@ class Fleet:
         return observations
 
     def _command_numbers(self, numbers: Mapping[str, np.ndarray]) -> None:
-        """Write what arrays command into the lanes."""
+        """Write what arrays command of the gaits into the lanes."""
+        for i in list(self._held):
+            gait_numbers = self._held[i].gait_numbers
+            self._command_one(i, Command(gait=self._gaits[i]))
+            self._lanes[i // WIDTH, _GAIT_NUMBERS, i % WIDTH] = gait_numbers
         in_lanes = np.zeros(self._lanes.shape[0] * WIDTH)
         for name, values in numbers.items():
             in_lanes[: self.n] = values
@@ -253,29 +301,64 @@ class Fleet:
             in_lanes[self.n :] = in_lanes[self.n - 1]
             self._lanes[:, ROW_OF_COMMAND[name]] = in_lanes.reshape(-1, WIDTH)
 
+    def _command_references(self, references: Float[np.ndarray, "n n_driven"]) -> None:
+        """Write the references of all joints into the lanes."""
+        if not self.is_well.all():
+            references = np.where(self.is_well[:, np.newaxis], references, 0.0)
+        if len(self._held) < self.n:
+            for i in set(range(self.n)) - self._held.keys():
+                angles = tuple(references[i].tolist())
+                self._command_one(i, Command(gait=self._gaits[i], references=angles))
+        n_lanes = len(self._lanes) * WIDTH
+        if self.n < n_lanes:
+            unused = np.repeat(references[-1:], n_lanes - self.n, axis=0)
+            references = np.concatenate((references, unused))
+        by_block = references.reshape(len(self._lanes), WIDTH, -1).transpose(0, 2, 1)
+        for joint, row in enumerate(self._reference_rows[: references.shape[1]]):
+            self._lanes[:, row] = by_block[:, joint]
+
+    @cached_property
+    def _reference_rows(self) -> np.ndarray:
+        """Rows of the references that are held, joint by joint; that of a driven fin comes last."""
+        layout = self.plant.layout
+        bodies = np.array([*range(layout.tail_link + 1, layout.n_bodies), layout.tail_link])
+        return rows.HEADER_ROWS + bodies * rows.BODY_ROWS + rows.ENVELOPE
+
     def _command_one(self, i: int, command: Command) -> None:
         """Write one robot's command into its lane."""
         block, lane = divmod(i, WIDTH)
         gait = command.gait
         is_gait_alone = (
-            command.enabled is None
+            command.references is None
+            and command.enabled is None
             and command.thrusts is None
             and command.deflections is None
             and command.pitch_offset == 0.0
         )
         if is_gait_alone and self._is_gait_alone[i] and gait is self._gaits[i]:
-            if command.references is None:
-                self._lanes[block, rows.OFFSET, lane] = gait.offset + command.offset
-                return
-        if command.references is not None or gait.recorded != self._gaits[i].recorded:
+            self._lanes[block, rows.OFFSET, lane] = gait.offset + command.offset
+            return
+        if gait.recorded != self._gaits[i].recorded:
+            raise NeedsRunOfItsOwn
+        if command.references is not None and gait.recorded is not None:
             raise NeedsRunOfItsOwn
         sets_effectors = command.thrusts is not None or command.deflections is not None
         has_memory = self.runs[i].plant.effector_dynamics.has_memory
         # A log of a lane knows the effectors of the first command only.
         if sets_effectors and (has_memory or self._logs_joints):
             raise NeedsRunOfItsOwn
-        new_rows = self.runs[i].plant.rows(self.state_of(i), command)
-        self._lanes[block, :, lane] = new_rows
+        state = self.state_of(i)
+        if command.references is None:
+            self._held.pop(i, None)
+        else:
+            gait_numbers = self._lanes[block, _GAIT_NUMBERS, lane]
+            if i in self._held:
+                gait_numbers = self._held[i].gait_numbers
+            self._held[i] = _Held(state, command, gait_numbers)
+        # Lanes without a robot do as the last one.
+        lanes = slice(lane, WIDTH if i == self.n - 1 else lane + 1)
+        new_rows = self.runs[i].plant.rows(state, command)
+        self._lanes[block, :, lanes] = new_rows[:, np.newaxis]
         self._gaits[i] = gait
         self._is_gait_alone[i] = is_gait_alone
 
@@ -323,3 +406,8 @@ class _FleetObservations(Observations):
     def joint_rate(self) -> np.ndarray:
         """phi' [rad/s]."""
         return self._fleet.read_joints(rows.RATE)
+
+    @cached_property
+    def loads(self) -> FleetLoads:
+        """What links and joints bear, one row per robot."""
+        return FleetLoads(self._fleet.loads, list(self._fleet.blocks_that_swim))

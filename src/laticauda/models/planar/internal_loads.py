@@ -1,12 +1,12 @@
-"""What the joints of a planar body carry, at every sample of a log.
+"""What the joints of planar bodies carry: at every sample of a log, or in every robot of a fleet.
 
-The kernels give, for the state in a sample, the force on every body and all accelerations. Newton's law
-for everything on the tail side of a joint, sum (m a - f) = -F, then gives the force F that this part exerts
-on the rest. The moment is that of the recursion, s^T (I^A a + p^A): what the bodies on the head side need
-about the joint.
+The kernels give, for a state, the force on every body and all accelerations. Newton's law for everything
+on the tail side of a joint, sum (m a - f) = -F, then gives the force F that this part exerts on the rest.
+The moment is that of the recursion, s^T (I^A a + p^A): what the bodies on the head side need about the
+joint.
 """
 
-from typing import Any
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float
@@ -32,14 +32,16 @@ MOMENT_UP = 2
 """Place of the moment about the vertical in `SampledLoads.joint_moment`."""
 
 
-class _Bodies:
-    """Rows of all bodies at all samples: time, body."""
+Numbers = Float[np.ndarray, "n_states n_bodies ..."]
 
-    def __init__(self, values: Float[np.ndarray, "n_samples n_bodies n_rows"]) -> None:
-        self._values = values
 
-    def __getitem__(self, row: int) -> np.ndarray:
-        return self._values[:, :, READ.index(row)]
+@runtime_checkable
+class Bodies(Protocol):
+    """Rows of all bodies in many states."""
+
+    def __getitem__(self, row: int, /) -> Numbers:
+        """Return a row of every body in every state."""
+        ...
 
 
 def compute_loads(
@@ -68,12 +70,16 @@ def compute_loads(
     for k in range(n_samples):
         link_forces(S, *layout.chain, samples[k : k + 1, :, np.newaxis], force[k : k + 1])
         read[k] = records[:, READ]
-    bodies = _Bodies(read)
+    bodies = {row: read[:, :, k] for k, row in enumerate(READ)}
     by_kind = np.moveaxis(force[..., 0], 1, 0)
-    whole_force = by_kind.sum(axis=0)
-    joint_force = _joint_forces(bodies, whole_force, records, mass)
+    joint_force = joint_forces(
+        bodies,
+        by_kind.sum(axis=0),
+        masses=mass * records[:, rows.MASS_SHARE],
+        first_moments=mass * records[:, rows.FIRST_MOMENT_SHARE],
+    )
     loads.joint_force[:, :, :2] = joint_force[:, tail:]
-    joint_moment = _joint_moments(bodies)
+    joint_moment = joint_moments(bodies)
     loads.joint_moment[:, :, MOMENT_UP] = joint_moment[:, tail:]
     if tail > 0:
         loads.fin_force[:, :2] = joint_force[:, tail - 1]
@@ -81,51 +87,81 @@ def compute_loads(
     # Fin bodies belong to the tail link.
     by_kind[:, :, tail] += by_kind[:, :, :tail].sum(axis=2)
     of_water = by_kind[FORCES_OF_WATER].sum(axis=0)
-    water_force = _in_axes(bodies, x=of_water[:, :, 0], y=of_water[:, :, 1])
+    water_force = in_axes_of_bodies(bodies, of_water)
     loads.water_force[:, :, :2] = water_force[:, tail:]
     return loads._replace(link_force=by_kind[:, :, tail:])
 
 
-def _joint_forces(
-    bodies: _Bodies,
-    force: Float[np.ndarray, "n_samples n_bodies 2"],
-    records: Float[np.ndarray, "n_bodies n_rows"],
-    mass: float,
-) -> Float[np.ndarray, "n_samples n_joints 2"]:
-    """Return the force in the joint at the head end of every body but the last: along that body, to its left [N]."""
+def joint_forces(
+    bodies: Bodies,
+    force: Float[np.ndarray, "n_states n_bodies 2"],
+    *,
+    masses: Float[np.ndarray, "... n_bodies"],
+    first_moments: Float[np.ndarray, "... n_bodies"],
+) -> Float[np.ndarray, "n_states n_joints 2"]:
+    """Return the force in the joint at the head end of every body but the last: along that body, to its left [N].
+
+    Args:
+        bodies: The bodies.
+        force: Whole force on every body, world axes [N].
+        masses: Masses of the bodies [kg].
+        first_moments: Masses times the distance of their center from the tail end of the body [kg m].
+    """
     c = bodies[rows.COS]
     s = bodies[rows.SIN]
-    m = mass * records[:, rows.MASS_SHARE]
-    arm = mass * records[:, rows.FIRST_MOMENT_SHARE]
-    across = arm * bodies[rows.LINK_ACCELERATION]
-    along = arm * bodies[rows.LINK_RATE] ** 2
+    across = first_moments * bodies[rows.LINK_ACCELERATION]
+    along = first_moments * bodies[rows.LINK_RATE] ** 2
     # Mass times acceleration of each body's center of mass.
-    needed_x = m * bodies[rows.QX] - across * s - along * c
-    needed_y = m * bodies[rows.QY] + across * c - along * s
-    unused_x = force[:, :, 0] - needed_x
-    unused_y = force[:, :, 1] - needed_y
-    x = np.cumsum(unused_x, axis=1)
-    y = np.cumsum(unused_y, axis=1)
-    in_axes = _in_axes(bodies, x=x, y=y)
+    needed_x = masses * bodies[rows.QX] - across * s - along * c
+    needed_y = masses * bodies[rows.QY] + across * c - along * s
+    needed = np.stack((needed_x, needed_y), axis=2)
+    on_head_side = np.cumsum(force - needed, axis=1)
+    in_axes = in_axes_of_bodies(bodies, on_head_side)
     return in_axes[:, :-1]
 
 
-def _in_axes(
-    bodies: _Bodies,
-    *,
-    x: Float[np.ndarray, "n_samples n_bodies"],
-    y: Float[np.ndarray, "n_samples n_bodies"],
-) -> Float[np.ndarray, "n_samples n_bodies 2"]:
-    """Return vectors along bodies and to their left, from those in world axes."""
-    c = bodies[rows.COS]
-    s = bodies[rows.SIN]
-    along = c * x + s * y
-    left = c * y - s * x
-    return np.stack((along, left), axis=2)
+def in_axes_of_bodies(
+    bodies: Bodies, vectors: Float[np.ndarray, "n_states n_bodies 2"]
+) -> Float[np.ndarray, "n_states n_bodies 2"]:
+    """Return vectors along bodies and to their left.
+
+    Args:
+        bodies: The bodies.
+        vectors: The vectors, world axes.
+    """
+    x = vectors[:, :, 0]
+    y = vectors[:, :, 1]
+    return np.stack((along_bodies(bodies, x, y), left_of_bodies(bodies, x, y)), axis=2)
 
 
-def _joint_moments(bodies: _Bodies) -> Float[np.ndarray, "n_samples n_joints"]:
-    """Return the moment about the vertical in the joint at the tail end of every body but the first [N m]."""
+def along_bodies(bodies: Bodies, x: Numbers, y: Numbers) -> Numbers:
+    """Return the components of vectors along bodies.
+
+    Args:
+        bodies: The bodies.
+        x: The vectors' components in world axes.
+        y: The same.
+    """
+    return bodies[rows.COS] * x + bodies[rows.SIN] * y
+
+
+def left_of_bodies(bodies: Bodies, x: Numbers, y: Numbers) -> Numbers:
+    """Return the components of vectors to the left of bodies.
+
+    Args:
+        bodies: The bodies.
+        x: The vectors' components in world axes.
+        y: The same.
+    """
+    return bodies[rows.COS] * y - bodies[rows.SIN] * x
+
+
+def joint_moments(bodies: Bodies) -> Float[np.ndarray, "n_states n_joints"]:
+    """Return the moment about the vertical in the joint at the tail end of every body but the first [N m].
+
+    Args:
+        bodies: The bodies.
+    """
     moment = bodies[rows.A00] * bodies[rows.LINK_ACCELERATION] + bodies[rows.P0]
     moment += bodies[rows.A01] * bodies[rows.QX]
     moment += bodies[rows.A02] * bodies[rows.QY]

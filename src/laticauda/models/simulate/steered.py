@@ -7,7 +7,8 @@ results are those of the runner, run by run.
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import replace
+from dataclasses import fields, replace
+from functools import cached_property
 from typing import Any, NamedTuple, TypeVar, cast
 
 import numpy as np
@@ -45,6 +46,7 @@ from laticauda.scenarios import (
     kind_of_controller,
     vectorize,
 )
+from laticauda.sensing import BodyLoads
 from laticauda.values import check_choice
 
 Result = TypeVar("Result")
@@ -272,7 +274,7 @@ def swim_fleets(
             observations = _join_observations([member.fleet.observe() for member in members])
             decisions = steering.step(observations)
             if isinstance(decisions, Mapping):
-                decisions = check_decisions(decisions, len(controllers))
+                decisions = check_decisions(decisions, observations.is_well)
             for member, end in zip(members, ends, strict=True):
                 part = _part_of_decisions(decisions, slice(end - member.fleet.n, end))
                 member.commands.add(now, part)
@@ -322,23 +324,54 @@ def _join_observations(parts: Sequence[Observations]) -> Observations:
     """Return the observations of several fleets as those of one."""
     if len(parts) == 1:
         return parts[0]
-    places: list[tuple[Observations, int]] = []
-    for part in parts:
-        places += [(part, i) for i in range(len(part))]
+    return _JoinedObservations(parts)
 
-    def observe(i: int) -> Observation:
-        part, robot = places[i]
-        return part.of_robot(robot)
 
-    return Observations(
-        time=np.concatenate([part.time for part in parts]),
-        center_of_mass=np.concatenate([part.center_of_mass for part in parts]),
-        center_of_mass_velocity=np.concatenate([part.center_of_mass_velocity for part in parts]),
-        heading=np.concatenate([part.heading for part in parts]),
-        heading_rate=np.concatenate([part.heading_rate for part in parts]),
-        is_well=np.concatenate([part.is_well for part in parts]),
-        observe=observe,
-    )
+class _JoinedObservations(Observations):
+    """The observations of several fleets, one after the other.
+
+    Args:
+        parts: Observations of each fleet.
+    """
+
+    def __init__(self, parts: Sequence[Observations]) -> None:
+        self._parts = parts
+        places: list[tuple[Observations, int]] = []
+        for part in parts:
+            places += [(part, i) for i in range(len(part))]
+
+        def observe(i: int) -> Observation:
+            part, robot = places[i]
+            return part.of_robot(robot)
+
+        super().__init__(
+            time=self.collect("time"),
+            center_of_mass=self.collect("center_of_mass"),
+            center_of_mass_velocity=self.collect("center_of_mass_velocity"),
+            heading=self.collect("heading"),
+            heading_rate=self.collect("heading_rate"),
+            is_well=self.collect("is_well"),
+            observe=observe,
+        )
+
+    def collect(self, name: str) -> np.ndarray:
+        """Return a field of all observations, one row per robot.
+
+        Args:
+            name: Its name.
+        """
+        return np.concatenate([getattr(part, name) for part in self._parts])
+
+    @cached_property
+    def loads(self) -> BodyLoads:
+        """What links and joints bear, one row per robot."""
+        names = [field.name for field in fields(BodyLoads)]
+        return BodyLoads(
+            **{
+                name: np.concatenate([getattr(part.loads, name) for part in self._parts])
+                for name in names
+            }
+        )
 
 
 def _part_of_decisions(decisions: Decisions, robots: slice) -> Decisions:

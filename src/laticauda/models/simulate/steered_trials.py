@@ -7,7 +7,7 @@ from typing import Any, TypeAlias, cast
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from laticauda.models.dynamics.samples import PlantState, Stretch
+from laticauda.models.dynamics.samples import Stretch
 from laticauda.models.planar import Fleet, NeedsRunOfItsOwn, Run
 from laticauda.models.simulate.batch_scenarios import runs_of
 from laticauda.models.simulate.plants import build_plant
@@ -115,7 +115,8 @@ def _kinds_of_controllers(runs: Sequence[Run]) -> dict[object, list[int]]:
     kinds: dict[object, list[int]] = {}
     for place, run in enumerate(runs):
         controller = cast("Controller[Any]", run.controller)
-        kind = kind_of_controller(controller), controller.interval
+        n_joints = run.plant.robot.n_joints
+        kind = kind_of_controller(controller), controller.interval, n_joints
         kinds.setdefault(kind, []).append(place)
     return kinds
 
@@ -232,7 +233,7 @@ def _trial_of(
     samples = fleet.samples_of(robot)[:n_samples].copy()
     log = plant.log([Stretch(samples, run.command)])
     series = replace(log, signals={**signals, **log.signals})
-    state = PlantState(values=samples[-1, : plant.layout.state_size].copy())
+    state = fleet.resume(robot, samples[-1, : plant.layout.state_size].copy())
     return Trial(
         **vars(series),
         scenario=replace(scenario, robot=plant.robot, model=plant.settings, duration=duration),

@@ -184,7 +184,7 @@ class Together:
         for (plant, command), state, end in zip(
             self._pair_with(commands), states, vectors, strict=True
         ):
-            ends.append(plant._state_after(state, command, end))
+            ends.append(plant.state_after(state, command, end))
         return JointAdvance(ends, stretches, failure=None)
 
     def _pair_with(self, commands: Sequence[Command]) -> list[tuple[SpatialPlant, Command]]:
