@@ -7,6 +7,7 @@ A controller written for one robot can steer many, too: each robot is then asked
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import fields
 from functools import cached_property
 from typing import Any, TypeAlias
 
@@ -83,11 +84,11 @@ class Observations:
     @cached_property
     def loads(self) -> BodyLoads:
         """What links and joints bear, see `Observation.loads`: its fields with one row per robot."""
-        loads_of_robots = [vars(self.of_robot(i).loads) for i in range(len(self))]
-        columns = {
-            name: np.stack([loads[name] for loads in loads_of_robots])
-            for name in loads_of_robots[0]
-        }
+        loads_of_robots = [self.of_robot(i).loads for i in range(len(self))]
+        columns: dict[str, np.ndarray] = {}
+        for quantity in fields(BodyLoads):
+            rows = [getattr(loads, quantity.name) for loads in loads_of_robots]
+            columns[quantity.name] = np.stack(rows)
         return BodyLoads(**columns)
 
     def collect(self, name: str) -> np.ndarray:
@@ -243,8 +244,8 @@ def _check_references(
 ) -> Float[np.ndarray, "n n_driven"]:
     """Return the references among decisions; they must be alone."""
     if len(decisions) > 1:
-        others = ", ".join(name for name in decisions if name != REFERENCES)
-        raise BadArgument("decisions", f"must hold `references` alone, also got {others}")
+        further_names = ", ".join(name for name in decisions if name != REFERENCES)
+        raise BadArgument("decisions", f"must hold `references` alone, also got {further_names}")
     argument = f"decisions[{REFERENCES!r}]"
     references = np.asarray(decisions[REFERENCES], dtype=float)
     n = is_well.size

@@ -81,23 +81,22 @@ def stack_networks(networks: Sequence[NeuralGait[Any]]) -> NeuralGait[Any] | Non
 
 def _stack_values(values: Sequence[Any], but: Sequence[str] = ()) -> Any:
     """Return a value whose numbers are columns with one row per value; None if they differ in more than numbers."""
-    first = values[0]
-    kind: type[Any] = first.__class__
-    stacked: Any = object.__new__(kind)
-    for field in fields(first):
-        parts = [getattr(value, field.name) for value in values]
-        part = parts[0]
+    class_of_values: type[Any] = values[0].__class__
+    stacked: Any = object.__new__(class_of_values)
+    for field in fields(class_of_values):
+        contents = [getattr(value, field.name) for value in values]
+        content = contents[0]
         if field.name in but:
             pass
-        elif type(part) is float:
-            part = np.array(parts)[:, np.newaxis]
-        elif is_dataclass(part):
-            part = _stack_values(parts)
-            if part is None:
+        elif type(content) is float:
+            content = np.array(contents)[:, np.newaxis]
+        elif is_dataclass(content):
+            content = _stack_values(contents)
+            if content is None:
                 return None
-        elif any(other != part for other in parts):
+        elif contents.count(content) < len(contents):
             return None
-        vars(stacked)[field.name] = part
+        vars(stacked)[field.name] = content
     return stacked
 
 

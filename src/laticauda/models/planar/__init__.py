@@ -20,6 +20,7 @@ model          a single robot as a `Plant`
 batch          many runs at once
 given_motion   loads of a motion that is known, as from a film
 fleet          many runs at once that controllers steer
+fleet_loads    what their links and joints bear
 school         many robots that are commanded step by step
 """
 

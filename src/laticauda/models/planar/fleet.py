@@ -43,7 +43,7 @@ class NeedsRunOfItsOwn(Exception):
     """A command that the lanes of a fleet cannot take, such as another recording."""
 
 
-class _Held(NamedTuple):
+class _PausedGait(NamedTuple):
     """A robot whose joints hold references."""
 
     state: PlantState
@@ -88,8 +88,8 @@ class Fleet:
         self._is_gait_alone = [True] * self.n
         self._gait_offset = np.array([gait.offset for gait in self._gaits])
         self._acting: Decisions | None = None
-        self._held: dict[int, _Held] = {}
-        """Robots whose joints hold references, and what their reference generators paused at."""
+        self._paused: dict[int, _PausedGait] = {}
+        """Robots whose joints hold references instead of their gait."""
         self._senses = [senses_of(run.plant.settings, run.plant.environment) for run in runs]
         self._has_sensors = any(senses is not None for senses in self._senses)
         self._last_seen = self._read(_SEEN)
@@ -167,22 +167,22 @@ class Fleet:
         loads = self.loads
         for block in self._blocks_that_swim:
             log = self._log[block]
-            part = self._between_samples
+            samples = self._between_samples
             if is_in_log:
-                part = log[leg.first : leg.first + leg.n_intervals + 1]
+                samples = log[leg.first : leg.first + leg.n_intervals + 1]
             # Joints at a control instant are logged as they were under the command before.
-            sample_before = part[0].copy() if self._logs_joints else part[0]
-            self._kernel(self._lanes[block], *chain, is_implicit, n_steps, dt, every, part)
+            sample_before = samples[0].copy() if self._logs_joints else samples[0]
+            self._kernel(self._lanes[block], *chain, is_implicit, n_steps, dt, every, samples)
             if loads.is_wanted:  # at once, while the processor's cache holds the block
                 loads.evaluate_forces(block)
             if is_in_log:
                 if leg.first > 0 and self._logs_joints:
-                    part[0] = sample_before
+                    samples[0] = sample_before
                 continue
             if leg.first == 0 and leg.begins_at_sample:
-                log[0] = part[0]
+                log[0] = samples[0]
             if leg.ends_at_sample:
-                log[leg.first + 1] = part[1]
+                log[leg.first + 1] = samples[1]
         loads.is_current = loads.is_wanted
         self._note_failures(leg)
 
@@ -249,10 +249,10 @@ class Fleet:
             i: Index of the robot.
             values: The numbers of its state as the kernels left them; they are changed.
         """
-        if i not in self._held:
+        if i not in self._paused:
             return PlantState(values=values)
-        held = self._held[i]
-        return self.runs[i].plant.state_after(held.state, held.command, values)
+        paused = self._paused[i]
+        return self.runs[i].plant.state_after(paused.state, paused.command, values)
 
     @cached_property
     def loads(self) -> LoadsOfLanes:
@@ -289,8 +289,8 @@ class Fleet:
 
     def _command_numbers(self, numbers: Mapping[str, np.ndarray]) -> None:
         """Write what arrays command of the gaits into the lanes."""
-        for i in list(self._held):
-            gait_numbers = self._held[i].gait_numbers
+        for i in list(self._paused):
+            gait_numbers = self._paused[i].gait_numbers
             self._command_one(i, Command(gait=self._gaits[i]))
             self._lanes[i // WIDTH, _GAIT_NUMBERS, i % WIDTH] = gait_numbers
         in_lanes = np.zeros(self._lanes.shape[0] * WIDTH)
@@ -305,8 +305,8 @@ class Fleet:
         """Write the references of all joints into the lanes."""
         if not self.is_well.all():
             references = np.where(self.is_well[:, np.newaxis], references, 0.0)
-        if len(self._held) < self.n:
-            for i in set(range(self.n)) - self._held.keys():
+        if len(self._paused) < self.n:
+            for i in set(range(self.n)) - self._paused.keys():
                 angles = tuple(references[i].tolist())
                 self._command_one(i, Command(gait=self._gaits[i], references=angles))
         n_lanes = len(self._lanes) * WIDTH
@@ -349,12 +349,12 @@ class Fleet:
             raise NeedsRunOfItsOwn
         state = self.state_of(i)
         if command.references is None:
-            self._held.pop(i, None)
+            self._paused.pop(i, None)
         else:
             gait_numbers = self._lanes[block, _GAIT_NUMBERS, lane]
-            if i in self._held:
-                gait_numbers = self._held[i].gait_numbers
-            self._held[i] = _Held(state, command, gait_numbers)
+            if i in self._paused:
+                gait_numbers = self._paused[i].gait_numbers
+            self._paused[i] = _PausedGait(state, command, gait_numbers)
         # Lanes without a robot do as the last one.
         lanes = slice(lane, WIDTH if i == self.n - 1 else lane + 1)
         new_rows = self.runs[i].plant.rows(state, command)

@@ -74,8 +74,8 @@ class LoadsOfLanes:
         lanes = self._lanes[block]
         # `clip` writes at once; there is nothing to clip.
         lanes.take(self.layout.state_rows, axis=0, out=self._sample[0], mode="clip")
-        part = slice(block, block + 1)
-        self._link_forces(lanes, *self.layout.chain, self._sample, self._force[part])
+        force = self._force[block : block + 1]
+        self._link_forces(lanes, *self.layout.chain, self._sample, force)
 
     def evaluate_torques(self, blocks: Sequence[int]) -> Float[np.ndarray, "n n_joints"]:
         """Return the torque of every drive [N m].

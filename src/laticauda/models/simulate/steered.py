@@ -320,29 +320,29 @@ class _Member:
             self.fleet.march(leg.logged)
 
 
-def _join_observations(parts: Sequence[Observations]) -> Observations:
+def _join_observations(fleets: Sequence[Observations]) -> Observations:
     """Return the observations of several fleets as those of one."""
-    if len(parts) == 1:
-        return parts[0]
-    return _JoinedObservations(parts)
+    if len(fleets) == 1:
+        return fleets[0]
+    return _JoinedObservations(fleets)
 
 
 class _JoinedObservations(Observations):
     """The observations of several fleets, one after the other.
 
     Args:
-        parts: Observations of each fleet.
+        fleets: Observations of each fleet.
     """
 
-    def __init__(self, parts: Sequence[Observations]) -> None:
-        self._parts = parts
-        places: list[tuple[Observations, int]] = []
-        for part in parts:
-            places += [(part, i) for i in range(len(part))]
+    def __init__(self, fleets: Sequence[Observations]) -> None:
+        self._fleets = fleets
+        fleet_and_robot: list[tuple[Observations, int]] = []
+        for fleet in fleets:
+            fleet_and_robot += [(fleet, robot) for robot in range(len(fleet))]
 
         def observe(i: int) -> Observation:
-            part, robot = places[i]
-            return part.of_robot(robot)
+            fleet, robot = fleet_and_robot[i]
+            return fleet.of_robot(robot)
 
         super().__init__(
             time=self.collect("time"),
@@ -360,18 +360,16 @@ class _JoinedObservations(Observations):
         Args:
             name: Its name.
         """
-        return np.concatenate([getattr(part, name) for part in self._parts])
+        return np.concatenate([getattr(fleet, name) for fleet in self._fleets])
 
     @cached_property
     def loads(self) -> BodyLoads:
         """What links and joints bear, one row per robot."""
-        names = [field.name for field in fields(BodyLoads)]
-        return BodyLoads(
-            **{
-                name: np.concatenate([getattr(part.loads, name) for part in self._parts])
-                for name in names
-            }
-        )
+        columns: dict[str, np.ndarray] = {}
+        for quantity in fields(BodyLoads):
+            tables = [getattr(fleet.loads, quantity.name) for fleet in self._fleets]
+            columns[quantity.name] = np.concatenate(tables)
+        return BodyLoads(**columns)
 
 
 def _part_of_decisions(decisions: Decisions, robots: slice) -> Decisions:
