@@ -15,6 +15,7 @@ from laticauda.missions import (
     BatteryLow,
     Echo,
     Estimate,
+    FollowWall,
     Helm,
     Mission,
     Phase,
@@ -190,9 +191,42 @@ def test_gaps_of_the_gyro_do_not_turn_what_is_believed(inspection):
     assert math.dist(middle, SQUARE_OF_POINTS[-1]) < 2.0
 
 
+def estimate_with(*echoes):
+    """What a robot believes that lies at the origin, in still water, and sees these echoes."""
+    return Estimate(
+        time=10.0,
+        position=(0.0, 0.0),
+        position_std=0.1,
+        velocity=(0.2, 0.0),
+        velocity_now=(0.2, 0.0),
+        heading=0.0,
+        heading_now=0.0,
+        bow=(0.8, 0.0),
+        current=(0.0, 0.0),
+        head_position=(0.8, 0.0),
+        head_heading=0.0,
+        echoes=echoes,
+        last_echo=None,
+        sightings=(),
+        battery=None,
+        silence={},
+    )
+
+
+def test_a_wall_near_home_is_not_the_one_to_follow():
+    echo_of_dock = Echo(bearing=0.5, distance=1.0, x=1.6, y=0.5)
+    echo_of_pen = Echo(bearing=-0.5, distance=3.0, x=3.4, y=-1.4)
+    estimate = estimate_with(echo_of_dock, echo_of_pen)
+    for radius, is_seen in ((0.0, "dock"), (3.0, "pen")):
+        follow = FollowWall(home_radius=radius)
+        state, _ = follow.steer(follow.begin(estimate), estimate)
+        assert (state.direction > 0.0) == (is_seen == "dock")
+
+
 def test_what_is_near_home_is_not_what_is_searched():
     search = Search(points=((9.0, 0.0),), within=2.5, home_radius=3.0)
-    estimate = SimpleNamespace(echoes=(Echo(bearing=0.0, distance=1.0, x=2.9, y=0.0),))
+    echo_of_dock = Echo(bearing=0.0, distance=1.0, x=2.9, y=0.0)
+    estimate = estimate_with(echo_of_dock)
     state = RouteState(leg=0, begin=(0.0, 0.0))
     assert search.outcome(state, estimate) is None
     assert replace(search, home=(6.0, 0.0)).outcome(state, estimate) == "done"

@@ -56,12 +56,19 @@ class Estimate:
     silence: Mapping[str, float]
     """By sensor, for how long it has told nothing, or the same again and again [s]."""
 
-    @property
-    def nearest_echo(self) -> Echo | None:
-        """The nearest echo; None in open water."""
-        if not self.echoes:
+    def nearest_echo(
+        self, *, away_from: tuple[float, float] = (0.0, 0.0), radius: float = 0.0
+    ) -> Echo | None:
+        """Return the nearest echo; None in open water.
+
+        Args:
+            away_from: A point near which nothing counts, x and y [m].
+            radius: How near to it [m].
+        """
+        echoes = [echo for echo in self.echoes if math.dist((echo.x, echo.y), away_from) >= radius]
+        if not echoes:
             return None
-        return min(self.echoes, key=_distance_of)
+        return min(echoes, key=_distance_of)
 
     def distance_to(self, point: tuple[float, float]) -> float:
         """Return how far the middle of the body is from a point [m].

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 
 from laticauda.missions.behaviours.behaviour import Behaviour, Outcome
-from laticauda.missions.estimate import Echo, Estimate
+from laticauda.missions.estimate import Estimate
 from laticauda.missions.steering import Steering
 from laticauda.values import BadArgument, quantity, value_class
 
@@ -135,13 +135,9 @@ class Search(SwimRoute):
 
     def outcome(self, state: RouteState, estimate: Estimate) -> Outcome | None:
         """Return how the phase ended, by `state` and `estimate`; None if it goes on."""
-        if any(self._counts(echo) for echo in estimate.echoes):
+        echo = estimate.nearest_echo(away_from=self.home, radius=self.home_radius)
+        if echo is not None and echo.distance <= self.within:
             return "done"
         if state.leg == len(self.points):
             return "failed"
         return None
-
-    def _counts(self, echo: Echo) -> bool:
-        """Return whether an echo is near enough, and not from home."""
-        is_of_home = math.dist((echo.x, echo.y), self.home) <= self.home_radius
-        return echo.distance <= self.within and not is_of_home

@@ -38,7 +38,10 @@ class WallState:
 
 @value_class
 class FollowWall(Behaviour[WallState]):
-    """Swims along a wall at a distance: around a pen for some turns, or along a wall or pipe for a length."""
+    """Swims along a wall at a distance: around a pen for some turns, or along a wall or pipe for a length.
+
+    What is near home does not count: seen from behind, a dock looks like a wall.
+    """
 
     side: Literal["left", "right"] = option("On which side the wall is", default="left")
     distance: float = quantity(
@@ -49,6 +52,10 @@ class FollowWall(Behaviour[WallState]):
     )
     turns: float = quantity("", "Done after so many turns around it", gt=0.0, default=1.1)
     length: float = quantity("m", "Done after so long a way along it", gt=0.0, default=math.inf)
+    home: tuple[float, float] = quantity("m", "x and y of home", default=(0.0, 0.0))
+    home_radius: float = quantity(
+        "m", "Distance from home within which nothing counts", ge=0.0, default=0.0
+    )
     lost_after: float = quantity(
         "s", "It has failed if the wall is not seen for so long", gt=0.0, default=6.0
     )
@@ -60,7 +67,7 @@ class FollowWall(Behaviour[WallState]):
     def steer(self, state: WallState, estimate: Estimate) -> tuple[WallState, Steering]:
         """Return the next state, from `state` and `estimate`, and how to swim until the next instant."""
         elapsed = estimate.time - state.time
-        echo = estimate.nearest_echo
+        echo = estimate.nearest_echo(away_from=self.home, radius=self.home_radius)
         if echo is None:
             state = _replace_time(state, estimate.time)
         else:
