@@ -389,6 +389,13 @@ def currents(folder: Path) -> None:
     campaign["figure"](campaign["stored"](), str(folder / "currents.png"))
 
 
+def wake(folder: Path) -> None:
+    """Two fish in line, and what the follower gains or loses, from the stored answer of the campaign."""
+    sys.path.append(str(CAMPAIGNS))  # what it shares with others
+    campaign = runpy.run_path(str(CAMPAIGNS / "wake.py"))
+    campaign["draw"](campaign["read_table"](), str(folder / "wake.png"))
+
+
 def parity(folder: Path) -> None:
     """The difference between both models, from the stored answer of the campaign."""
     campaign = runpy.run_path(str(CAMPAIGNS / "parity.py"))
@@ -442,6 +449,7 @@ PICTURES = {
     "film": Picture(film, ("follow.webp",)),
     "street": Picture(street, ("street.png", "street.webp")),
     "currents": Picture(currents, ("currents.png",)),
+    "wake": Picture(wake, ("wake.png",)),
     "edge-map": Picture(edge_map, ("edge-map.png",)),
     "parity": Picture(parity, ("parity.png",)),
     "mission": Picture(mission, ("mission-phases.png", "mission-map.png", "mission.webp")),
