@@ -13,6 +13,7 @@ import mujoco
 import numpy as np
 import pytest
 import yaml
+from campaign_scripts import campaign
 
 import laticauda as lc
 from laticauda.cli import main
@@ -183,6 +184,29 @@ def test_without_shapes_sections_follow_from_moments_of_inertia(tmp_path: Path):
     assert (section.half_height, section.half_width) == pytest.approx((a, b))
 
 
+@pytest.mark.parametrize("ending", ["obj", "stl"])
+def test_meshes_say_how_far_head_and_tail_reach(tmp_path: Path, ending: str):
+    vertices = np.array([[0.0, 0.5, 0.0], [0.0, -0.5, 0.0], [1.3, 0.0, 0.2]])
+    mesh = tmp_path / f"skull.{ending}"
+    if ending == "obj":
+        lines = [f"v {' '.join(map(str, vertex))}" for vertex in vertices.tolist()]
+        mesh.write_text("# a skull\n" + "\n".join(lines) + "\nf 1 2 3\n")
+    else:
+        triangle = np.vstack([np.zeros(3), vertices]).astype("<f4").tobytes() + b"\0\0"
+        mesh.write_bytes(bytes(80) + (1).to_bytes(4, "little") + triangle)
+    text = EEL.read_text()
+    start, end = text.index('<collision name="skull_shape">'), text.index("</link>")
+    uri = f"<mesh><uri>{mesh.name}</uri><scale>0.1 0.1 0.1</scale></mesh>"
+    shape = f"<collision name='skull_shape'><geometry>{uri}</geometry></collision>"
+    file = tmp_path / "eel.sdf"
+    file.write_text(text[:start] + shape + text[end:])
+    assert load_farms(file).robot.modules[-1].length == pytest.approx(0.13)
+    mesh.unlink()
+    animat = load_farms(file)
+    assert animat.robot.modules[-1].length == pytest.approx(2 * 0.04)
+    assert f"mesh {mesh.name}: no OBJ or binary STL file that can be read" in animat.left_out
+
+
 # ---- network -------------------------------------------------------------------------------------
 
 
@@ -329,12 +353,37 @@ def test_drag_of_links_is_that_of_farms_in_its_water(animat: FarmsAnimat):
     assert coefficients.mu_n == pytest.approx([0.0] * 4)
 
 
+def test_a_motor_without_limit_is_a_servo_that_never_saturates(
+    tmp_path: Path, table: dict[str, Any]
+):
+    table["control"]["motors"][0]["limits_torque"] = [-math.inf, math.inf]
+    actuator = load_farms(write_animat(tmp_path, table)).robot.joints[-1].actuator
+    assert actuator.stall_torque == pytest.approx(6.0 * math.pi)
+    assert actuator.servo_gain == pytest.approx(1.0 / math.pi)
+
+
+# ---- the AmphiBot example of FARMS ---------------------------------------------------------------
+
+
+def test_amphibot_of_farms_swims_here_as_by_its_own_equations_and_as_its_page_says():
+    figures = {figure.name: figure for figure in campaign("farms_amphibot").read_table()}
+    for name in ("mass [kg]", "length [m]"):
+        assert figures[name].laticauda == pytest.approx(figures[name].second_opinion, rel=1e-3)
+    for name in ("lag, least [deg]", "lag, largest [deg]"):
+        assert figures[name].laticauda == pytest.approx(figures[name].second_opinion, abs=1.0)
+    for name in ("speed after 4 s [m/s]", "way in 4 s, begun as a wave [m]"):
+        assert figures[name].laticauda == pytest.approx(figures[name].second_opinion, rel=0.02)
+    head = figures["way of the head in 4 s, begun by the file [m]"]
+    assert head.second_opinion == pytest.approx(0.56, rel=0.03)
+
+
 # ---- what is not taken, and what is wrong --------------------------------------------------------
 
 
 def test_everything_that_is_not_taken_is_said(animat: FarmsAnimat):
     assert animat.left_out == (
         "coupling that differs along the body, 8.25 to 9.75 1/s: its mean is taken",
+        "initial phases and amplitudes of the oscillators",
         "limits of joint `waist`, -1.2 and 0.8 rad: the smaller one applies to both sides",
         "limbs of 0.03 kg: leg_left, leg_right",
         "joints of the spine that are held: nod",
@@ -461,4 +510,4 @@ def test_shell_prints_facts_for_programs(
     facts = json.loads(capsys.readouterr().out)
     assert facts["network"]["gait"]["frequency"] == pytest.approx(3.0)
     assert facts["network"]["kind"] == "phase-oscillators"
-    assert len(facts["left_out"]) == 6
+    assert len(facts["left_out"]) == 7

@@ -87,6 +87,23 @@ class Entry(NamedTuple):
         numbers += [default] * (count - len(numbers))
         return numbers
 
+    def limits(self, key: str) -> tuple[float, float]:
+        """Return the least and the largest value of something; infinite if the file gives no list.
+
+        Args:
+            key: Its key.
+        """
+        limits = self.table.get(key)
+        if limits is None:
+            return -math.inf, math.inf
+        if not isinstance(limits, list) or len(cast(list[Any], limits)) != 2:
+            raise self.error(key, f"must be a list of two numbers, got {_show(limits)}")
+        low, high = cast(list[Any], limits)
+        for limit in (low, high):
+            if not isinstance(limit, int | float) or math.isnan(limit):
+                raise self.error(key, f"must be a list of two numbers, got {_show(limit)} in it")
+        return float(low), float(high)
+
     def lists_of_numbers(
         self,
         key: str,

@@ -25,6 +25,10 @@ UNLIMITED_SPEED = 1e4
 """No-load speed of a servo without damping: it never matters [rad/s]."""
 
 
+LARGEST_ERROR = math.pi
+"""Error of an angle that a servo never has: a torque beyond that at this error is no limit [rad]."""
+
+
 class Drivetrain(NamedTuple):
     """What moves the joints."""
 
@@ -70,7 +74,7 @@ def _build_servos(motors: Sequence[Entry], remarks: Remarks) -> Drivetrain:
     for motor in motors:
         actuator = _build_servo(motor)
         if actuator is None:
-            remarks.append("motors, because some have no gain or no limit: joints have servos")
+            remarks.append("motors, because some have no gain: joints have servos")
             return USUAL_SERVOS
         name = motor.text("joint_name")
         actuators[name] = actuator
@@ -78,12 +82,13 @@ def _build_servos(motors: Sequence[Entry], remarks: Remarks) -> Drivetrain:
 
 
 def _build_servo(motor: Entry) -> Actuator | None:
-    """Return a servo; None if the motor has no gain or no limit."""
+    """Return a servo; None if the motor has no gain."""
     stiffness, damping = motor.numbers("gains", 2, 0.0)
-    low, high = motor.numbers("limits_torque", 2, 0.0)
+    low, high = motor.limits("limits_torque")
     stall_torque = min(-low, high)
     if stiffness <= 0.0 or stall_torque <= 0.0:
         return None
+    stall_torque = min(stall_torque, stiffness * LARGEST_ERROR)
     no_load_speed = UNLIMITED_SPEED
     if damping > 0.0:
         no_load_speed = min(stall_torque / damping, UNLIMITED_SPEED)

@@ -248,6 +248,8 @@ def _list_what_is_left(
     remarks.add_count(n_limbs, "oscillators that move no joint of the spine")
     remarks.add_count(entry.count("contact2osc"), "couplings `contact2osc`: contacts felt")
     remarks.add_count(entry.count("xfrc2osc"), "couplings `xfrc2osc`: forces felt")
+    if any(table.has("initial_phase") for table in entry.items("oscillators")):
+        remarks.append("initial phases and amplitudes of the oscillators")
     for key in ("modular_amplitude", "attractor_amplitude"):
         if any(table.number(key, 0.0) for table in entry.items("oscillators")):
             remarks.append(f"`{key}` of the oscillators")
