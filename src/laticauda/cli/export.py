@@ -8,6 +8,9 @@ from typing import Annotated, Any, Literal
 import laticauda as lc
 from laticauda.cli import command, flags
 from laticauda.cli.scene import OfScenario, warn_of_compiling
+from laticauda.missions import load_mission
+from laticauda.scenarios import load_scenario
+from laticauda.sensing import Place
 from laticauda.values import BadArgument, option, quantity, value_class
 
 CAUSALITIES = ("parameter", "input", "output")
@@ -199,18 +202,37 @@ class Web(command.Command):
     robots: flags.Files = option(
         "Presets or TOML files, the first one shown first; none: a selection", default=()
     )
+    places: flags.File = option(
+        "Scenario file, or mission, whose nets, pipes, walls, docks and buoys are drawn in the water",
+        default=None,
+    )
 
     def run(self) -> command.Outcome:
         """Write the files."""
         from laticauda.connect.web import export_web
 
-        sizes = [path.stat().st_size for path in export_web(self.output, self.robots)]
+        places: tuple[Place, ...] = ()
+        if self.places is not None:
+            places = _read_places(self.places)
+        paths = export_web(self.output, self.robots, places=places)
+        sizes = [path.stat().st_size for path in paths]
         size = sum(sizes)
         content = f"{len(sizes)} files ({size / 1000.0:.0f} kB)"
         return command.Outcome(
             facts={"output": self.output, "size": size},
             text=f"{self.output}: {content}; open {self.output}/index.html",
         )
+
+
+def _read_places(name: str) -> tuple[Place, ...]:
+    """Return the places of a scenario file, or of a mission that comes with laticauda."""
+    if Path(name).suffix == ".toml":
+        scenario = load_scenario(name)
+    else:
+        scenario = load_mission(name)
+    if not scenario.model.places:
+        raise BadArgument("places", f"must be a scenario with places, got {name}")
+    return scenario.model.places
 
 
 def _report(

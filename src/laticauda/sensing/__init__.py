@@ -26,7 +26,9 @@ if TYPE_CHECKING:
         Pipeline as Pipeline,
         Place as Place,
         Seabed as Seabed,
+        ShapeKind as ShapeKind,
         Solid as Solid,
+        Three as Three,
         Wall as Wall,
         Outline as Outline,
         surroundings_of as surroundings_of,
@@ -90,7 +92,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
     },
     plain={
         "laticauda.sensing.observed": ["EVALUATE_LOADS"],
-        "laticauda.sensing.places": ["Outline", "surroundings_of"],
+        "laticauda.sensing.places": ["Outline", "ShapeKind", "Three", "surroundings_of"],
         "laticauda.sensing.sensors": ["senses_of", "signals_of_readings"],
     },
 )

@@ -44,3 +44,14 @@ def test_a_film_from_above_has_room_for_the_places(trial):
 def test_the_outlines_of_a_run_are_those_of_its_places(trial):
     assert places_of(trial) == PLACES
     assert np.concatenate(outlines_of(PLACES)).max() == pytest.approx(5.0, abs=0.05)
+
+
+def test_a_picture_in_space_has_the_places(trial):
+    pytest.importorskip("mujoco")
+    from laticauda.show.pictures import Studio
+
+    model = Studio.of_trial(trial).model
+    names = {model.geom(number).name for number in range(model.ngeom)}
+    assert {"pen_0", "pen_23", "mark_0"} <= names
+    *_, opacity = model.geom("pen_0").rgba
+    assert opacity < 1.0  # one sees through a net

@@ -25,18 +25,24 @@ from laticauda.connect.web.robot_data import (
 from laticauda.connect.web.sliders import list_sliders
 from laticauda.control import ROUNDING
 from laticauda.models.planar import PlanarPlant
+from laticauda.sensing import Place
 from laticauda.values import files, hints_of
 
 ROBOTS = ("mamba-fin", "mamba", "mamba-modules-fin", "amphibot", "tendon-fish")
 """Presets that a page contains by default."""
 PAGE_FOLDER = Path(__file__).with_name("page")
 """Files of a page that are the same for all robots."""
+MILLIMETERS = 3
+"""Decimals of outlines in m."""
 FOLLOWING_CHOICES = ("guidance", "heading_estimate")
 """Fields of path following whose values are chosen from a list."""
 
 
 def export_web(
-    folder: str | os.PathLike[str], robots: Sequence[str | lc.Robot] = ()
+    folder: str | os.PathLike[str],
+    robots: Sequence[str | lc.Robot] = (),
+    *,
+    places: Sequence[Place] = (),
 ) -> tuple[Path, ...]:
     """Write a web page on which robots swim without a server; its `index.html` can also be opened from disk.
 
@@ -44,6 +50,8 @@ def export_web(
         folder: Output folder; the files of an older page in it are replaced.
         robots: Robots to choose from, the first one initially selected: presets, files or robots.
             None: `ROBOTS`.
+        places: Nets, pipes, walls, docks and buoys that are drawn in the water. Robots swim through
+            them, as in the planar model.
 
     Returns:
         Paths of the files.
@@ -55,7 +63,7 @@ def export_web(
     output_folder = files.local(folder)
     choices = [build_choice(robot) for robot in robots or ROBOTS]
     kernels = json.dumps(_compile_modules(choices))
-    data = json.dumps(_describe_page(choices), separators=(",", ":"), ensure_ascii=False)
+    data = json.dumps(_describe_page(choices, places), separators=(",", ":"), ensure_ascii=False)
     content: dict[str, str] = {}
     for path in PAGE_FOLDER.iterdir():
         content[path.name] = path.read_text("utf-8")
@@ -83,7 +91,7 @@ def _compile_modules(choices: Sequence[RobotChoice]) -> dict[str, str]:
     return {name: base64.b64encode(module).decode() for name, module in modules.items()}
 
 
-def _describe_page(choices: Sequence[RobotChoice]) -> dict[str, Any]:
+def _describe_page(choices: Sequence[RobotChoice], places: Sequence[Place]) -> dict[str, Any]:
     """Return all data of a page."""
     hints = hints_of(lc.Following)
     return {
@@ -97,4 +105,11 @@ def _describe_page(choices: Sequence[RobotChoice]) -> dict[str, Any]:
         },
         "sliders": list_sliders(),
         "robots": [describe_choice(choice) for choice in choices],
+        "places": [_describe_place(place) for place in places if place.outlines()],
     }
+
+
+def _describe_place(place: Place) -> dict[str, Any]:
+    """Return the name of a place and its outlines in plan [m]."""
+    outlines = [outline.round(MILLIMETERS).tolist() for outline in place.outlines()]
+    return {"name": place.name, "outlines": outlines}

@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from laticauda.models.spatial.module_shapes import choose_builders as choose_builders
     from laticauda.models.spatial.school import School as School, Together as Together
     from laticauda.models.spatial.surroundings import (
+        add_places as add_places,
         reporting_scene_errors as reporting_scene_errors,
     )
     from laticauda.models.spatial.urdf import write_urdf as write_urdf
@@ -71,7 +72,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.models.spatial.model": ["SpatialPlant"],
         "laticauda.models.spatial.module_shapes": ["choose_builders"],
         "laticauda.models.spatial.school": ["School", "Together"],
-        "laticauda.models.spatial.surroundings": ["reporting_scene_errors"],
+        "laticauda.models.spatial.surroundings": ["add_places", "reporting_scene_errors"],
         "laticauda.models.spatial.urdf": ["write_urdf"],
     },
     renamed={"contact": "ground_contact", "on_ground": "lay_on_ground", "spec": "build_spec"},

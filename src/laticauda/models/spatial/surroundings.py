@@ -18,13 +18,15 @@ from laticauda.models.spatial.bodies import Three
 from laticauda.models.spatial.scene import SCENE_PREFIX, TANK_LENGTH, TANK_WIDTH, Tank
 from laticauda.models.spatial.solids import add_solid
 from laticauda.robot import Environment, Ground, Scene, to_quaternion
-from laticauda.sensing import Place, Solid
+from laticauda.sensing import Net, Place, Solid
 from laticauda.values import BadArgument, load_mujoco
 
 GEOM_OF_SOLID = {"box": "BOX", "cylinder": "CYLINDER", "sphere": "SPHERE"}
 """Geoms of MuJoCo by the kinds of solid shapes of places."""
 GROUNDS = ("ground", "shore", "ramp", "floor", "terrain")
 """Names of the geoms that are ground."""
+NET = (0.15, 0.22, 0.22, 0.4)
+"""Color of nets, through which one sees."""
 SURFACE = "water"
 """Name of the water's surface, which is visual only."""
 EMPTY_PREFIX = "empty prefix"
@@ -67,7 +69,7 @@ def add_places(model: Any, places: Sequence[Place]) -> None:
     """
     for place in places:
         for k, solid in enumerate(place.solids()):
-            add_solid(
+            geom = add_solid(
                 model,
                 name=f"{place.name}_{k}",
                 kind=GEOM_OF_SOLID[solid.kind],
@@ -75,6 +77,8 @@ def add_places(model: Any, places: Sequence[Place]) -> None:
                 position=solid.center,
                 orientation=to_quaternion(np.transpose(solid.axes)),
             )
+            if isinstance(place, Net):
+                geom.rgba = NET
 
 
 def _geom_size(solid: Solid) -> Three:

@@ -15,8 +15,10 @@ from laticauda.sensing.places.place import (
 from laticauda.sensing.places.solids import (
     Hits as Hits,
     Outline as Outline,
+    ShapeKind as ShapeKind,
     Solid as Solid,
     Solids as Solids,
+    Three as Three,
 )
 from laticauda.sensing.places.structures import (
     Buoy as Buoy,

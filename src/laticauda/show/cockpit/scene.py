@@ -8,6 +8,8 @@ import numpy as np
 
 from laticauda.models.dynamics import Plant
 from laticauda.robot import Environment, Robot, kinematics
+from laticauda.scenarios import Spatial
+from laticauda.sensing import ShapeKind, Solid, Three
 from laticauda.show.cockpit.bodies import Body
 from laticauda.show.cockpit.lines import Line, Trail
 from laticauda.show.cockpit.shapes import Color, Poses
@@ -56,10 +58,8 @@ FORCE_LOOK: dict[str, Any] = {
     "head_length": 0.045,
 }
 """Arguments of viser for the forces on links; lengths in m."""
-BALL = 2
-"""MuJoCo's number of this type of geom, like the next two."""
-CYLINDER = 5
-BOX = 6
+KINDS_OF_GEOMS: Mapping[int, ShapeKind] = {2: "sphere", 5: "cylinder", 6: "box"}
+"""Kinds of shapes by MuJoCo's numbers of its types of geoms; others are not shown."""
 
 
 class Scene:
@@ -127,43 +127,34 @@ class Scene:
         self._path.draw(points)
 
     def draw_surroundings(self, plant: Plant[Any], state: Any) -> None:
-        """Draw the boxes, cylinders and balls around the robot of a plant in a given state."""
-        surroundings = getattr(plant.settings, "scene", None)
-        if surroundings is self._shown_surroundings:
+        """Draw places and the boxes, cylinders and balls of a scene around the robot of a plant in a given state."""
+        settings = plant.settings
+        surroundings = settings.places, getattr(settings, "scene", None)
+        if surroundings == self._shown_surroundings:
             return
         for handle in self._surroundings:
             handle.remove()
         self._surroundings = []
         self._shown_surroundings = surroundings
-        if surroundings is None:
-            return
-        spatial: Any = plant
-        model = spatial.model
-        data = spatial.data(state)
-        is_robot = model.body_rootid[model.geom_bodyid] == model.body("module_0").id
-        for geom in np.flatnonzero(~is_robot):
-            self._add_solid(model, data, geom)
+        for number, solid in enumerate(_solids_around(plant, state)):
+            self._add_solid(f"/around/{number}", solid)
 
-    def _add_solid(self, model: Any, data: Any, geom: Any) -> None:
-        """Add a geom of a MuJoCo model; one of any other type is not shown."""
-        geom_type = model.geom_type[geom]
-        size = model.geom_size[geom]
-        name = f"/around/{geom}"
+    def _add_solid(self, name: str, solid: Solid) -> None:
+        """Add a shape, by its name on the page."""
         look: Any = {
             "color": SOLID,
             "opacity": 0.4,
-            "wxyz": kinematics.to_quaternion(data.geom_xmat[geom].reshape(3, 3)),
-            "position": data.geom_xpos[geom],
+            "wxyz": kinematics.to_quaternion(np.transpose(solid.axes)),
+            "position": solid.center,
         }
-        if geom_type == BOX:
-            handle = self._scene.add_box(name, dimensions=2.0 * size, **look)
-        elif geom_type == CYLINDER:
-            radius, half_height = size[:2]
+        radius, _, half_height = solid.size
+        if solid.kind == "box":
+            sides = 2.0 * np.array(solid.size)
+            handle = self._scene.add_box(name, dimensions=sides, **look)
+        elif solid.kind == "cylinder":
             handle = self._scene.add_cylinder(name, radius=radius, height=2.0 * half_height, **look)
-        elif geom_type == BALL:
-            handle = self._scene.add_icosphere(name, radius=size[0], **look)
         else:
-            return
+            handle = self._scene.add_icosphere(name, radius=radius, **look)
         self._surroundings.append(handle)
 
     def set_visible(self, is_visible: bool) -> None:
@@ -177,6 +168,40 @@ class Scene:
     def remove_ghost(self) -> None:
         """Remove the ghost."""
         self._ghost.remove()
+
+
+def _solids_around(plant: Plant[Any], state: Any) -> list[Solid]:
+    """Return the shapes around the robot of a plant in a given state."""
+    settings = plant.settings
+    if not isinstance(settings, Spatial):
+        return [solid for place in settings.places for solid in place.solids()]
+    if settings.surroundings is None:
+        return []
+    spatial: Any = plant
+    model = spatial.model
+    data = spatial.data(state)
+    is_robot = model.body_rootid[model.geom_bodyid] == model.body("module_0").id
+    solids: list[Solid] = []
+    for geom in np.flatnonzero(~is_robot).tolist():
+        kind = KINDS_OF_GEOMS.get(int(model.geom_type[geom]))
+        if kind is None:
+            continue
+        x_axis, y_axis, z_axis = data.geom_xmat[geom].reshape(3, 3).T.tolist()
+        center: Any = tuple(data.geom_xpos[geom].tolist())
+        axes: Any = tuple(x_axis), tuple(y_axis), tuple(z_axis)
+        solids.append(
+            Solid(kind, center, _size_of_geom(kind, *model.geom_size[geom].tolist()), axes)
+        )
+    return solids
+
+
+def _size_of_geom(kind: ShapeKind, first: float, second: float, third: float) -> Three:
+    """Return the size of a shape by the three numbers that MuJoCo has for its kind [m]."""
+    if kind == "box":
+        return first, second, third
+    if kind == "cylinder":
+        return first, first, second
+    return first, first, first
 
 
 def _floor_depth(height: float) -> float:

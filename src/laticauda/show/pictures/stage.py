@@ -8,7 +8,13 @@ import numpy as np
 from jaxtyping import Float, UInt8
 
 from laticauda.models.dynamics import Plant
-from laticauda.models.spatial import SpatialPlant, ballast_of, mjcf, reporting_scene_errors
+from laticauda.models.spatial import (
+    SpatialPlant,
+    add_places,
+    ballast_of,
+    mjcf,
+    reporting_scene_errors,
+)
 from laticauda.robot import Environment, Ground, Robot
 from laticauda.scenarios import Model, Spatial
 from laticauda.show.pictures.camera import VIEW_DEG, aim_camera, middle_ahead_of_center
@@ -261,6 +267,8 @@ def _build_spec(
             next_robot, environment, sensors=False, ballast_depth=ballast_of(next_robot, model)
         )
         mjcf.add_robot(spec, next_spec, index)
+    if model is not None:
+        add_places(spec, model.places)
     return spec
 
 

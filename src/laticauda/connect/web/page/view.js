@@ -6,6 +6,9 @@ const HANDLE = 9; // radius of a waypoint [px]
 const TRAIL = 1200; // samples
 const STREAKS = 70;
 
+/** How far outlines reach from the origin along an axis [m]. */
+const farthest = (outlines, axis) => Math.max(...outlines.flat().map((point) => Math.abs(point[axis])));
+
 class View {
   /** `changed(waypoints)` is called when somebody moves, adds or removes one. */
   constructor(canvas, changed) {
@@ -31,7 +34,13 @@ class View {
   /** Look at the robot again. */
   home(body) {
     this.follows = true;
-    this.scale = Math.min(0.42 * this.canvas.clientWidth, 0.8 * this.canvas.clientHeight) / this.#length(body);
+    const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight];
+    this.scale = Math.min(0.42 * width, 0.8 * height) / this.#length(body);
+    // Places that are farther away are seen, too.
+    for (const { outlines } of PAGE.places) {
+      const [x, y] = [0, 1].map((axis) => farthest(outlines, axis));
+      this.scale = Math.min(this.scale, (0.48 * width) / x, (0.48 * height) / y);
+    }
   }
 
   #length(body) {
@@ -64,6 +73,7 @@ class View {
     this.size = [width, height];
     pen.setTransform(ratio, 0, 0, ratio, 0, 0);
     this.#water(pen, current, passed);
+    this.#places(pen);
     this.#path(pen);
     this.#line(pen, this.trail.concat([posture.center]), color("trail"), 1.6, 0.75);
     this.#robot(pen, body, posture);
@@ -139,6 +149,23 @@ class View {
     pen.beginPath();
     for (const turn of [0, 2.6, -2.6]) pen.lineTo(x + size * Math.cos(angle + turn), y + size * Math.sin(angle + turn));
     pen.fill();
+  }
+
+  /** What stands in the water, each with its name above it. */
+  #places(pen) {
+    Object.assign(pen, { fillStyle: color("place"), strokeStyle: color("place"), lineWidth: 1.5, lineJoin: "round" });
+    Object.assign(pen, { textAlign: "center", font: `12px ${getComputedStyle(document.body).fontFamily}` });
+    for (const { name, outlines } of PAGE.places) {
+      for (const outline of outlines) {
+        pen.beginPath();
+        for (const point of outline) pen.lineTo(...this.#at(point));
+        pen.closePath();
+        pen.fill();
+        pen.stroke();
+      }
+      const corners = outlines.flat().map((point) => this.#at(point)), [xs, ys] = [0, 1].map((k) => corners.map((corner) => corner[k]));
+      if (corners.length) pen.fillText(name, 0.5 * (Math.min(...xs) + Math.max(...xs)), Math.min(...ys) - 6);
+    }
   }
 
   #path(pen) {
