@@ -148,3 +148,12 @@ def test_bad_input_is_refused_by_name(run, folder, line, message):
     assert done.status == 2
     assert message in " ".join(done.err.replace("│", " ").split())
     assert not list(folder.iterdir())
+
+
+def test_a_page_without_places_to_show_is_refused(tmp_path, capsys):
+    scenario = tmp_path / "swim.toml"
+    assert main(["swim", "mamba", "--duration", "1", "--save-scenario", str(scenario)]) == 0
+    capsys.readouterr()
+    page = str(tmp_path / "page")
+    assert main(["export", "web", "--output", page, "--places", str(scenario)]) == 2
+    assert "--places must be a scenario with places, got" in capsys.readouterr().err

@@ -27,6 +27,11 @@ def most_of(scenario: lc.Scenario) -> float:
     return 1e-12 if scenario.model.joints == lc.Prescribed() else 1e-10
 
 
+def test_a_page_has_the_outlines_of_places_but_not_the_bed(folder):
+    corners = [[-0.5, 0.75], [0.5, 0.75], [0.5, 0.85], [-0.5, 0.85]]
+    assert data_of(folder)["places"] == [{"name": "quay", "outlines": [corners]}]
+
+
 @needs_node
 def test_twenty_settings_by_chance_swim_as_in_python_and_are_said_rightly(folder, tmp_path):
     links = some_links(folder, 20, seed=7)
