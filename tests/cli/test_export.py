@@ -3,6 +3,7 @@ import json
 import pytest
 
 import laticauda as lc
+from laticauda.cli import main
 
 mujoco = pytest.importorskip("mujoco")
 

@@ -173,15 +173,17 @@ class Scene:
 def _solids_around(plant: Plant[Any], state: Any) -> list[Solid]:
     """Return the shapes around the robot of a plant in a given state."""
     settings = plant.settings
+    solids: list[Solid] = []
     if not isinstance(settings, Spatial):
-        return [solid for place in settings.places for solid in place.solids()]
+        for place in settings.places:
+            solids += place.solids()
+        return solids
     if settings.surroundings is None:
         return []
     spatial: Any = plant
     model = spatial.model
     data = spatial.data(state)
     is_robot = model.body_rootid[model.geom_bodyid] == model.body("module_0").id
-    solids: list[Solid] = []
     for geom in np.flatnonzero(~is_robot).tolist():
         kind = KINDS_OF_GEOMS.get(int(model.geom_type[geom]))
         if kind is None:
