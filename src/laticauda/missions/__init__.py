@@ -4,6 +4,7 @@ estimate.py    what a robot believes of itself and of the water
 posture.py     where the middle of its body is, seen from the head
 navigation.py  from readings of sensors to what it believes
 steering.py    what a behaviour wants, and the helm
+depth.py       holding a depth by the pitch joints
 avoidance.py   keeping clear of what the sonar has seen
 behaviours     what it does in a phase
 phases.py      phases, and conditions that end them
@@ -49,6 +50,7 @@ if TYPE_CHECKING:
         summarize_campaign as summarize_campaign,
     )
     from laticauda.missions.campaign_table import MissionRow as MissionRow
+    from laticauda.missions.depth import DepthKeeping as DepthKeeping
     from laticauda.missions.drawing import draw_map as draw_map, draw_phases as draw_phases
     from laticauda.missions.estimate import Echo as Echo, Estimate as Estimate
     from laticauda.missions.files import (
@@ -65,11 +67,13 @@ if TYPE_CHECKING:
     from laticauda.missions.navigation import Navigation as Navigation
     from laticauda.missions.phases import (
         BatteryLow as BatteryLow,
+        Captured as Captured,
         Condition as Condition,
         Phase as Phase,
         PositionUnsure as PositionUnsure,
         SensorHeard as SensorHeard,
         SensorSilent as SensorSilent,
+        Touched as Touched,
         Transition as Transition,
     )
     from laticauda.missions.running import (
@@ -111,6 +115,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "summarize_campaign",
         ],
         "laticauda.missions.campaign_table": ["MissionRow"],
+        "laticauda.missions.depth": ["DepthKeeping"],
         "laticauda.missions.drawing": ["draw_map", "draw_phases"],
         "laticauda.missions.estimate": ["Echo", "Estimate"],
         "laticauda.missions.files": ["list_missions", "load_mission"],
@@ -120,11 +125,13 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.missions.navigation": ["Navigation"],
         "laticauda.missions.phases": [
             "BatteryLow",
+            "Captured",
             "Condition",
             "Phase",
             "PositionUnsure",
             "SensorHeard",
             "SensorSilent",
+            "Touched",
             "Transition",
         ],
         "laticauda.missions.running": [

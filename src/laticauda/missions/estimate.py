@@ -55,6 +55,12 @@ class Estimate:
     """Share of the battery that is left; None without a gauge."""
     silence: Mapping[str, float]
     """By sensor, for how long it has told nothing, or the same again and again [s]."""
+    depth: float | None = None
+    """Depth of the head that was last told; None without a gauge [m]."""
+    beacon_distance: float | None = None
+    """Distance of the beacon from the head that was last told; None if it was not heard [m]."""
+    contact_force: float | None = None
+    """Largest force of anything on a link that was last told; None without a sensor [N]."""
 
     def nearest_echo(
         self, *, away_from: tuple[float, float] = (0.0, 0.0), radius: float = 0.0

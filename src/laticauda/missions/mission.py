@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 from laticauda.missions.avoidance import Avoidance
+from laticauda.missions.depth import DepthKeeping, DepthState
 from laticauda.missions.estimate import Estimate
 from laticauda.missions.navigation import Navigation, NavigationState
 from laticauda.missions.phases import Phase, Transition
@@ -44,6 +45,8 @@ class MissionState:
     """How often the phase has changed."""
     way: int = -1
     """Index of the last way taken, see `Mission.ways`."""
+    depth_keeping: DepthState | None = None
+    """What depth keeping remembers; None: it has not begun."""
     signals: Mapping[str, float] = field(default_factory=dict[str, float])
     """What the log holds."""
 
@@ -63,6 +66,9 @@ class Mission(Controller[MissionState]):
     navigation: Navigation = option("Where it believes to be", default=Navigation())
     helm: Helm = option("How it steers", default=Helm())
     avoidance: Avoidance = option("How it keeps clear of what it saw", default=Avoidance())
+    depth_keeping: DepthKeeping = option(
+        "How it holds the depth of a phase", default=DepthKeeping()
+    )
     interval: float = quantity("s", "Time between two control instants", gt=0.0, default=0.2)
 
     def __post_init__(self) -> None:
@@ -137,6 +143,11 @@ class Mission(Controller[MissionState]):
         return replace(self.gait, amplitude=0.0)
 
     @cached_property
+    def _steers_depth(self) -> bool:
+        """Whether any phase holds a depth."""
+        return any(phase.depth is not None for phase in self.phases)
+
+    @cached_property
     def cycle(self) -> float:
         """Period of the gait [s]."""
         return 2.0 * math.pi / abs(self.gait.frequency)
@@ -168,8 +179,16 @@ class Mission(Controller[MissionState]):
         phase = self.phases[state.phase]
         if phase.avoids:
             steering = self.avoidance.correct(steering, estimate)
+        if phase.depth is not None:
+            kept = self.depth_keeping.step(state.depth_keeping, phase.depth, estimate)
+            state = replace(state, depth_keeping=kept)
+            if kept is not None:
+                steering = replace(steering, pitch_offset=kept.offset)
         offset = self.helm.offset_of(steering, estimate)
-        state = replace(state, signals=_signals(state, estimate, offset))
+        signals = _signals(state, estimate, offset)
+        if self._steers_depth:
+            signals["pitch_offset"] = steering.pitch_offset
+        state = replace(state, signals=signals)
         return state, self._command(steering, offset)
 
     def _begin(self, state: MissionState, phase: int, estimate: Estimate) -> MissionState:
@@ -228,6 +247,22 @@ class Mission(Controller[MissionState]):
             if self.helm.max_offset > room:
                 rule = f"must be <= {room:.4g} rad, or joint {number} goes beyond its limit"
                 raise BadArgument("helm.max_offset", f"{rule}, got {self.helm.max_offset:.4g} rad")
+        for phase in self.phases:
+            if phase.depth is not None:
+                self._check_pitch_joints(robot, phase)
+
+    def _check_pitch_joints(self, robot: Robot, phase: Phase) -> None:
+        """Reject a robot that cannot hold the depth of a phase."""
+        limits = [joint.limit for joint in robot.joints if joint.axis == "pitch"]
+        if not limits:
+            rule = f"must have pitch joints to hold the depth of the phase `{phase.name}`"
+            raise BadArgument("robot", f"{rule}, got `{robot.name}`, which has none")
+        if self.depth_keeping.max_offset > min(limits):
+            rule = f"must be <= {min(limits):.4g} rad, or a pitch joint goes beyond its limit"
+            raise BadArgument(
+                "depth_keeping.max_offset",
+                f"{rule}, got {self.depth_keeping.max_offset:.4g} rad",
+            )
 
 
 class _Entry(NamedTuple):

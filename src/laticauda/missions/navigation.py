@@ -11,6 +11,8 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from laticauda.missions.estimate import Echo, Estimate
 from laticauda.missions.posture import Posture, bend_of_head, find_posture
 from laticauda.scenarios import Observation
@@ -91,6 +93,14 @@ class Navigation:
     position: str = option("Name of the acoustic position", default="beacon")
     sonar: str = option("Name of the sonar", default="sonar")
     battery: str = option("Name of the battery gauge", default="battery")
+    depth: str = option("Name of the depth gauge", default="depth")
+    contact: str = option("Name of the contact sensor", default="contact")
+    yaw_joints: tuple[int, ...] = quantity(
+        "",
+        "Joints that bend the body sideways, 0 = tail, of a robot that has others, too; empty: all",
+        ge=0,
+        default=(),
+    )
 
     def init(self) -> NavigationState:
         """Return the state before the first control instant."""
@@ -130,8 +140,9 @@ class _Instant:
         self._before = state
         self._cycle = cycle
         self._time = float(observation.time)
-        self._joint_angle: list[float] = observation.joint_angle.tolist()
-        self._joint_rate: list[float] = observation.joint_rate.tolist()
+        self._joint_angle = self._of_yaw_joints(observation.joint_angle)
+        self._joint_rate = self._of_yaw_joints(observation.joint_rate)
+        self._readings = observation.readings
         self._heard_at = dict(state.heard_at)
         self._last_values = dict(state.last_values)
         self._fresh: dict[str, list[float]] = {}
@@ -149,6 +160,13 @@ class _Instant:
         self._last_values[name] = tuple(values)
         self._heard_at[name] = self._time
         self._fresh[name] = values
+
+    def _of_yaw_joints(self, values: np.ndarray) -> list[float]:
+        """Return the values of the joints that bend the body sideways, tail first."""
+        of_all: list[float] = values.tolist()
+        if not self._navigation.yaw_joints:
+            return of_all
+        return [of_all[joint] for joint in self._navigation.yaw_joints]
 
     @property
     def _elapsed(self) -> float:
@@ -196,7 +214,10 @@ class _Instant:
             echoes=echoes,
             last_echo=self._last_echo(echoes),
             sightings=tuple(sightings.values()),
-            battery=self._battery(),
+            battery=self._last_value(self._navigation.battery),
+            depth=self._last_value(self._navigation.depth),
+            beacon_distance=self._last_value(self._navigation.position),
+            contact_force=self._contact_force(),
             silence={name: self._time - heard for name, heard in self._heard_at.items()},
         )
         return NavigationState(
@@ -381,12 +402,19 @@ class _Instant:
             return None
         return before.last_echo
 
-    def _battery(self) -> float | None:
-        """Return the share of the battery that is left; None if nothing tells it."""
-        values = self._last_values.get(self._navigation.battery)
-        if values is None:
+    def _last_value(self, sensor: str) -> float | None:
+        """Return the first value that a sensor last told; None if it told none."""
+        values = self._last_values.get(sensor)
+        if values is None or not math.isfinite(values[0]):
             return None
         return values[0]
+
+    def _contact_force(self) -> float | None:
+        """Return the force that the contact sensor last told, which may be zero for long; None if it told none."""
+        reading = self._readings.get(self._navigation.contact)
+        if reading is None or not math.isfinite(reading.values[0]):
+            return None
+        return float(reading.values[0])
 
 
 def _repeats(values: Sequence[float], last_values: Sequence[float] | None) -> bool:

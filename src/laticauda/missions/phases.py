@@ -5,6 +5,7 @@ import math
 from laticauda.missions.behaviours.behaviour import AnyBehaviour
 from laticauda.missions.estimate import Estimate
 from laticauda.values import Extensible, check_label, option, quantity, value_class
+from laticauda.values.angles import wrapped
 
 
 @value_class
@@ -101,6 +102,49 @@ class PositionUnsure(Condition):
 
 
 @value_class
+class Captured(Condition):
+    """The head is at the latch of a dock, as far as the robot itself can tell: by its beacon and its heading."""
+
+    radius: float = quantity(
+        "m", "Distance of the beacon from the head at most", gt=0.0, default=0.35
+    )
+    heading: float = quantity("rad", "Direction in which the dock is swum into", default=0.0)
+    tolerance: float = quantity(
+        "rad", "How far the body may point aside", gt=0.0, default=math.radians(50.0)
+    )
+    beacon: str = option("Name of the acoustic position", default="beacon")
+    within: float = quantity("s", "How long ago the beacon was heard at most", gt=0.0, default=2.0)
+
+    @property
+    def words(self) -> str:
+        """See `Condition`."""
+        return f"beacon within {self.radius:g} m"
+
+    def is_met(self, estimate: Estimate) -> bool:
+        """Return whether `estimate` meets it."""
+        if estimate.beacon_distance is None or estimate.beacon_distance > self.radius:
+            return False
+        is_heard = estimate.silence.get(self.beacon, math.inf) <= self.within
+        return is_heard and abs(wrapped(estimate.heading - self.heading)) <= self.tolerance
+
+
+@value_class
+class Touched(Condition):
+    """Something presses on the body, as its contact sensor tells: the end of a dock, or an obstacle."""
+
+    force: float = quantity("N", "Force at least", gt=0.0, default=0.5)
+
+    @property
+    def words(self) -> str:
+        """See `Condition`."""
+        return f"touched by {self.force:g} N"
+
+    def is_met(self, estimate: Estimate) -> bool:
+        """Return whether `estimate` meets it."""
+        return estimate.contact_force is not None and estimate.contact_force >= self.force
+
+
+@value_class
 class Transition:
     """A condition under which another phase begins."""
 
@@ -124,4 +168,7 @@ class Phase:
     transitions: tuple[Transition, ...] = option("Further reasons to end it", default=())
     avoids: bool = option(
         "Whether the robot turns away from what the sonar sees too near ahead", default=True
+    )
+    depth: float | None = quantity(
+        "m", "Depth that is held by the pitch joints; None: it is not steered", default=None
     )
