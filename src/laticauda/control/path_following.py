@@ -16,7 +16,15 @@ from laticauda.control.guidance import Guidance, HeadingController, HeadingEstim
 from laticauda.motion import gaits
 from laticauda.robot import Robot
 from laticauda.scenarios import Command, Controller, Observation, VectorController
-from laticauda.values import BadArgument, angles, check_positive, option, quantity, value_class
+from laticauda.values import (
+    BadArgument,
+    angles,
+    check_positive,
+    make_quickly,
+    option,
+    quantity,
+    value_class,
+)
 
 SLOWEST = 0.5
 """Lower bound of the speed used for a crab angle, as a fraction of the gait's speed [-]."""
@@ -153,7 +161,8 @@ class PathFollowing(Controller[PathFollowingState]):
             "is_saturated": float(is_saturated),
             **current_signals,
         }
-        state_after = PathFollowingState(
+        state_after = make_quickly(
+            PathFollowingState,
             progress=progress,
             guidance=guidance,
             window=window,
@@ -161,7 +170,7 @@ class PathFollowing(Controller[PathFollowingState]):
             observer=observer_state,
             signals=signals,
         )
-        return state_after, Command(gait=self.gait, offset=offset)
+        return state_after, make_quickly(Command, gait=self.gait, offset=offset)
 
     @classmethod
     def vectorize(cls, controllers: Sequence[Any]) -> VectorController | None:

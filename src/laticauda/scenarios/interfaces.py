@@ -17,6 +17,7 @@ from laticauda.values import (
     Extensible,
     check_finite,
     check_instance,
+    make_quickly,
     option,
     quantity,
     value_class,
@@ -242,11 +243,8 @@ class Observation(Observed):
         Args:
             readings: The last reading of each sensor, by its name.
         """
-        # Without its constructor, which is slow.
-        copy = object.__new__(type(self))
-        vars(copy).update(vars(self))
-        vars(copy)["readings"] = readings
-        return copy
+        fields = {**vars(self), "readings": readings}
+        return make_quickly(type(self), **fields)
 
 
 @value_class

@@ -73,6 +73,7 @@ if TYPE_CHECKING:
         Unknown as Unknown,
         name_of as name_of,
     )
+    from laticauda.values.fast_values import make_quickly as make_quickly
     from laticauda.values.files import (
         csv_text as csv_text,
         is_full as is_full,
@@ -202,6 +203,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.values.named_arguments": ["by_name_only"],
         "laticauda.values.notices": ["warn_caller"],
         "laticauda.values.extensions": ["Extensible", "Unknown", "name_of"],
+        "laticauda.values.fast_values": ["make_quickly"],
         "laticauda.values.files": [
             "csv_text",
             "is_full",

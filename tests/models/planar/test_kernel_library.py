@@ -121,6 +121,21 @@ def test_the_library_gives_the_numbers_that_numba_gives_to_the_last_digit(librar
     assert log.tobytes() == compiled_log.tobytes()
 
 
+def test_marches_of_other_lengths_steps_and_logs_are_not_taken_for_the_last_one(library: Path):
+    plant = lc.build_plant("mamba", lc.load_water("paper-lateral"))
+    assert isinstance(plant, PlanarPlant)
+    kernels = plant.kernels_of(1)
+    start = plant.init(lc.Start(velocity=0.1), COMMAND)
+    size = plant.layout.sample_size
+    for steps, dt, every in ((2, 0.05, 1), (4, 0.05, 2), (4, 0.05, 1), (4, 0.02, 1), (2, 0.05, 1)):
+        logs: list[np.ndarray] = []
+        for run in (kernels.run, kernels.compiled.run):
+            log = np.zeros((1 + steps // every, size, 1))
+            run(plant.rows(start, COMMAND), *plant.layout.chain, False, steps, dt, every, log)
+            logs.append(log)
+        assert logs[0].tobytes() == logs[1].tobytes()
+
+
 def test_one_plant_after_the_other_has_its_own_chain(library: Path):
     kernels = lc.build_plant("mamba", lc.load_water("paper-lateral")).kernels_of(1)
     for robot in ("mamba", "amphibot", "mamba"):

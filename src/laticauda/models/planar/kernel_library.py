@@ -10,7 +10,7 @@ import functools
 import json
 import os
 from collections.abc import Callable
-from ctypes import CDLL, c_double, c_int64, c_void_p
+from ctypes import CDLL, Structure, addressof, c_double, c_int64, c_void_p
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -30,14 +30,8 @@ SETTINGS_OF_COMPILER = ("NUMBA_DISABLE_JIT", "NUMBA_CPU_NAME")
 """Variables of the environment by which somebody asks for other machine code, or for none."""
 MEMORY = c_double * 0
 """Numbers of an array, of whose size the library is told; arrays that are not contiguous are refused."""
-ARGUMENTS = [
-    *(c_void_p, c_int64),  # the rows, and how many there are
-    c_void_p,  # the chain, see `_Chain`
-    c_int64,  # whether steps are implicit
-    *(c_int64, c_double, c_int64),  # steps, dt, every
-    *(c_void_p, c_int64, c_int64),  # the log, its samples, the numbers of a sample
-]
-"""Types of the arguments of the library's functions."""
+ARGUMENTS = [c_void_p, c_void_p, c_void_p]
+"""Types of the arguments of the library's functions: the rows, what march it is (`_March`), and the log."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -138,7 +132,7 @@ class LibraryKernels:
         """
         self._run = run
         self._compile_kernels = compile_kernels
-        self._chain: _Chain | None = None
+        self._last_call: _Call | None = None
 
     @property
     def compiled(self) -> Any:
@@ -173,34 +167,46 @@ class LibraryKernels:
         """Advance the run in `flat`, see `stepping.run`."""
         if flat.dtype.char != "d" or log.dtype.char != "d":
             raise TypeError("Rows and log must be arrays of floats.")
-        chain = self._chain
+        march = (flat.size, log.shape, implicit, steps, dt, every)
+        call = self._last_call
         # Of each robot there is one chain, whose arrays always come together.
-        if chain is None or chain.first_strip is not first_strip or chain.law is not law:
-            chain = _Chain(n, first_strip, first_plate, law, tail_link, has_extras)
-            self._chain = chain
-        n_samples, size, _ = log.shape
+        if (
+            call is None
+            or call.march != march
+            or call.first_strip is not first_strip
+            or call.law is not law
+        ):
+            call = _Call(march, n, first_strip, first_plate, law, tail_link, has_extras)
+            self._last_call = call
         written = self._run(
             MEMORY.from_buffer(flat),  # pyright: ignore[reportArgumentType]  # a buffer by NumPy's C code
-            flat.size,
-            chain.address,
-            implicit,
-            steps,
-            dt,
-            every,
+            call.address,
             MEMORY.from_buffer(log),  # pyright: ignore[reportArgumentType]
-            n_samples,
-            size,
         )
         if written < 0:  # pragma: no cover - the kernels raise nothing
             raise RuntimeError("A kernel of the library failed.")
         return written
 
 
-class _Chain:
-    """The shape of a chain of bodies as integers whose address the library takes (`struct chain` in `kernels.c`)."""
+class _March(Structure):
+    """What march it is, as the library takes it (`struct march` in `kernels.c`)."""
+
+    _fields_ = (
+        *((name, c_int64) for name in ("n", "tail_link", "has_extras")),
+        *((name, c_void_p) for name in ("first_strip", "first_plate", "law")),
+        *((name, c_int64) for name in ("n_first_strip", "n_first_plate", "n_law")),
+        *((name, c_int64) for name in ("implicit", "steps", "every")),
+        ("dt", c_double),
+        *((name, c_int64) for name in ("n_rows", "n_samples", "size")),
+    )
+
+
+class _Call:
+    """All arguments but rows and log, which a run with a controller repeats many times a second."""
 
     def __init__(
         self,
+        march: tuple[int, tuple[int, ...], bool, int, float, int],
         n: int,
         first_strip: np.ndarray,
         first_plate: np.ndarray,
@@ -208,17 +214,26 @@ class _Chain:
         tail_link: int,
         has_extras: bool,
     ) -> None:
+        self.march = march
+        """Number of rows, shape of the log, whether steps are implicit, their number, dt and `every`."""
         self.first_strip = first_strip
         self.law = law
+        n_rows, (n_samples, size, _), implicit, steps, dt, every = march
         arrays = [
             np.ascontiguousarray(array, np.int64) for array in (first_strip, first_plate, law)
         ]
         addresses = [_address(array) for array in arrays]
         sizes = [array.size for array in arrays]
-        numbers = np.array([n, tail_link, has_extras, *addresses, *sizes], dtype=np.int64)
+        numbers = _March(
+            *(n, tail_link, has_extras),
+            *addresses,
+            *sizes,
+            *(implicit, steps, every, dt),
+            *(n_rows, n_samples, size),
+        )
         self._kept_alive = arrays, numbers  # the library has their addresses
-        self.address = _address(numbers)
-        """Address of the integers."""
+        self.address = addressof(numbers)
+        """Address of the `_March`."""
 
 
 def _address(array: np.ndarray) -> int:

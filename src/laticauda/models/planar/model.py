@@ -22,7 +22,7 @@ from laticauda.motion.joints import JointLaw
 from laticauda.robot import Coefficients, has_power_model, law_of, link_coefficients, move_head
 from laticauda.scenarios import Command, Observation, Planar, Start
 from laticauda.sensing import BodyLoads, HeadMotion, Reading
-from laticauda.values import BadArgument, Formula, check_instance
+from laticauda.values import BadArgument, Formula, check_instance, make_quickly
 from laticauda.water.fluid import DragLaw, PolynomialDrag, flow as flows
 
 if TYPE_CHECKING:
@@ -212,11 +212,10 @@ class PlanarPlant(Plant[Planar]):
 
     def observe(self, state: PlantState) -> Observation:
         """Return the observation of a state."""
-        # Not by its constructor: most fields of an observation are never asked for.
-        observation = object.__new__(_PlanarObservation)
         values = state.values
         columns = self.columns_of_state
-        vars(observation).update(
+        return make_quickly(
+            _PlanarObservation,
             time=float(values[columns["time"]]),
             center_of_mass=values[columns["center_of_mass"]],
             heading=float(values[columns["heading"]]),
@@ -224,7 +223,6 @@ class PlanarPlant(Plant[Planar]):
             _plant=self,
             _state_values=values,
         )
-        return observation
 
     def head_motion(self, observation: Observation, values: np.ndarray) -> HeadMotion:
         """Return where the head is and how it moves.

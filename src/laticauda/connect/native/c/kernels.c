@@ -10,11 +10,15 @@
 
 #define EXPORT __attribute__((visibility("default")))
 
-/* A chain of bodies; the same integers are in `_Chain` of kernel_library.py. */
-struct chain {
+/* A march of one chain of bodies, apart from its state and its log; the same fields are in `_March` of
+   kernel_library.py. */
+struct march {
     int64_t n, tail_link, has_extras;
     int64_t *first_strip, *first_plate, *law;
     int64_t n_first_strip, n_first_plate, n_law;
+    int64_t implicit, steps, every;
+    double dt;
+    int64_t n_rows, n_samples, size;
 };
 
 /* Arrays of one and of three dimensions: who owns the memory, the number of items, the size of one, the items, the shape
@@ -27,14 +31,14 @@ struct chain {
 #define F(k) \
     int32_t laticauda_kernel_##k(int64_t *, void **, ARRAY_1(double), int64_t, ARRAY_1(int64_t), ARRAY_1(int64_t), \
                                  ARRAY_1(int64_t), int64_t, uint8_t, uint8_t, int64_t, double, int64_t, ARRAY_3(double)); \
-    EXPORT int64_t laticauda_run_##k(double *rows, int64_t n_rows, const struct chain *c, int64_t implicit, int64_t steps, \
-                                     double dt, int64_t every, double *log, int64_t n_samples, int64_t size) { \
+    EXPORT int64_t laticauda_run_##k(double *rows, const struct march *m, double *log) { \
         int64_t written; \
         void *error; \
         int32_t status = laticauda_kernel_##k( \
-            &written, &error, AS_ARRAY_1(rows, n_rows), c->n, AS_ARRAY_1(c->first_strip, c->n_first_strip), \
-            AS_ARRAY_1(c->first_plate, c->n_first_plate), AS_ARRAY_1(c->law, c->n_law), c->tail_link, \
-            c->has_extras != 0, implicit != 0, steps, dt, every, AS_ARRAY_3(log, n_samples, size)); \
+            &written, &error, AS_ARRAY_1(rows, m->n_rows), m->n, AS_ARRAY_1(m->first_strip, m->n_first_strip), \
+            AS_ARRAY_1(m->first_plate, m->n_first_plate), AS_ARRAY_1(m->law, m->n_law), m->tail_link, \
+            m->has_extras != 0, m->implicit != 0, m->steps, m->dt, m->every, \
+            AS_ARRAY_3(log, m->n_samples, m->size)); \
         return status == 0 ? written : -1; \
     }
 KERNELS
