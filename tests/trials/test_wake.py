@@ -81,11 +81,13 @@ def test_a_wake_in_a_file_is_a_trial_and_changes_of_place_and_phase(leader, lead
     assert flow.motion(0.5, 0.1, 0.0, 2.0) == expected.motion(0.5, 0.1, 0.0, 2.0)
 
 
-def test_a_run_in_the_wake_of_a_file_keeps_it_and_a_changed_file_is_refused(leader, leader_file):
+def test_a_run_in_the_wake_of_a_file_keeps_it_and_a_changed_file_is_refused(leader_file, tmp_path):
     flow = WakeOfTrial(source=str(leader_file), x=1.5)
     scenario = lc.build_scenario("mamba", GAIT, 1.0, current=flow)
-    text = str(scenario.environment.current.digest)
-    assert re.fullmatch("[0-9a-f]{16}", text)
+    lc.save_scenario(scenario, tmp_path / "follower.toml")
+    kept = lc.load_scenario(tmp_path / "follower.toml").environment.current
+    assert kept == flow
+    assert re.fullmatch("[0-9a-f]{16}", kept.digest)
     with pytest.raises(ValueError, match=r"`digest` must match .* which has changed since, got 12"):
         replace(flow, digest="12")
 
@@ -102,3 +104,12 @@ def test_a_leader_that_turns_or_swims_in_waves_is_refused(leader):
         ValueError, match="`environment` must be still or uniform water for a wake, got another one"
     ):
         measure_wake(replace(leader, scenario=scenario))
+
+
+def test_a_file_whose_robot_left_no_wake_is_named(tmp_path):
+    path = tmp_path / "short.nc"
+    lc.swim("mamba", GAIT, 5.0).save(path)
+    with pytest.raises(
+        ValueError, match=r"short.nc: its robot left no wake: `time` must span at least 13 s"
+    ):
+        _ = WakeOfTrial(source=str(path)).wake

@@ -70,23 +70,7 @@ def measure_wake(
         ValueError: If the robot did not swim straight for two cycles in still or uniform water, or if no
             street of its width carries that thrust.
     """
-    water = trial.environment
-    if not isinstance(water, Water) or water.flow is not None:
-        raise BadArgument(
-            "environment", "must be still or uniform water for a wake, got another one"
-        )
-    trial.need("a wake", "link_angle")
-    period = trial.period
-    turning_rate = metrics.turning_rate(trial)
-    assert period is not None  # it has a turning rate
-    turn = abs(turning_rate) * pairs * period
-    if turn > LARGEST_TURN:
-        raise BadArgument(
-            "trial",
-            f"must be straight for a wake: within {math.degrees(LARGEST_TURN):.0f} deg "
-            f"in {pairs} cycles, got {math.degrees(turn):.0f} deg",
-        )
-
+    water, period = _check_leader(trial, pairs)
     beat = measure_tail_beat(trial, period)
     current = np.array(water.uniform)
     through_water = beat.velocity - current[:2]
@@ -120,6 +104,27 @@ def measure_wake(
         pairs=pairs,
         mean=water.uniform,
     )
+
+
+def _check_leader(trial: Contents, pairs: int) -> tuple[Water, float]:
+    """Return the water and the period of a leader; refuse one that leaves no straight street."""
+    water = trial.environment
+    if not isinstance(water, Water) or water.flow is not None:
+        raise BadArgument(
+            "environment", "must be still or uniform water for a wake, got another one"
+        )
+    trial.need("a wake", "link_angle")
+    period = trial.period
+    turning_rate = metrics.turning_rate(trial)
+    assert period is not None  # it has a turning rate
+    turn = abs(turning_rate) * pairs * period
+    if turn > LARGEST_TURN:
+        raise BadArgument(
+            "trial",
+            f"must be straight for a wake: within {math.degrees(LARGEST_TURN):.0f} deg "
+            f"in {pairs} cycles, got {math.degrees(turn):.0f} deg",
+        )
+    return water, period
 
 
 def measure_tail_beat(trial: Contents, period: float) -> TailBeat:
@@ -198,8 +203,8 @@ class WakeOfTrial(Flow):
     @functools.cached_property
     def wake(self) -> Wake:
         """The wake with all its numbers."""
-        measured = measure_wake(
-            load_trial(self.source), core=self.core, viscosity=self.viscosity, pairs=self.pairs
+        measured = _measure_file(
+            self.source, self.digest, core=self.core, viscosity=self.viscosity, pairs=self.pairs
         )
         placed: dict[str, Any] = {}
         for name in ("x", "y", "phase"):
@@ -217,3 +222,15 @@ class WakeOfTrial(Flow):
     def words(self) -> str:
         """Description of the flow."""
         return f"the wake of `{self.source}`"
+
+
+@functools.lru_cache(maxsize=16)
+def _measure_file(
+    source: str, digest: str, *, core: float | None, viscosity: float, pairs: int
+) -> Wake:
+    """Return the wake of a trial in a file; `digest` tells one content of the file from another."""
+    trial = load_trial(source)
+    try:
+        return measure_wake(trial, core=core, viscosity=viscosity, pairs=pairs)
+    except ValueError as reason:
+        raise TrialFileError(f"{source}: its robot left no wake: {reason}") from reason

@@ -26,8 +26,6 @@ from laticauda.water.fluid.eddies import LambOseen, around, lamb_oseen
 from laticauda.water.fluid.flow import Flow
 from laticauda.water.fluid.uniform import Uniform
 
-QUARTER = 0.25
-"""Period between a turn of the tail and its passage through the middle [-]."""
 STEPS_OF_NEWTON = 40
 """Steps in which the spacing of a street is found; 6 are enough for any that swims."""
 GROWTH = 1.1
@@ -42,13 +40,13 @@ def smooth_step(s: float) -> tuple[float, float]:
     Args:
         s: Share of the step [-].
     """
-    begun = where(s.real > 0.0, s, 0.0 * s)
-    share = where(begun.real < 1.0, begun, 1.0 + 0.0 * begun)
+    not_negative = where(s.real > 0.0, s, 0.0 * s)
+    share = where(not_negative.real < 1.0, not_negative, 1.0 + 0.0 * s)
     return share * share * (3.0 - 2.0 * share), 6.0 * share * (1.0 - share)
 
 
 @value_class
-class _Left(LambOseen):
+class _TrailedVortex(LambOseen):
     """One vortex of a wake: left by the tail, it drifts, fades, and is left again further on."""
 
     advance_x: float = quantity("m/s", "Velocity of the tail over ground, along x")
@@ -60,17 +58,19 @@ class _Left(LambOseen):
 
     def __call__(self, x: float, y: float, z: float, t: float) -> tuple[float, ...]:
         """Return the motion of the water, see `Flow.__call__`."""
-        since = t - self.begun
-        lives = since / self.life
-        gone = self.life * np.floor(lives.real)
-        age = since - gone
-        dx = x - self.x - self.advance_x * gone - self.velocity_x * age
-        dy = y - self.y - self.advance_y * gone - self.velocity_y * age
+        time_since_first = t - self.begun
+        lives = time_since_first / self.life
+        time_of_earlier_lives = self.life * np.floor(lives.real)
+        age = time_since_first - time_of_earlier_lives
+        dx = x - self.x - self.advance_x * time_of_earlier_lives - self.velocity_x * age
+        dy = y - self.y - self.advance_y * time_of_earlier_lives - self.velocity_y * age
 
-        grown, growth_slope = smooth_step(age / self.growth)
-        remaining, fading_slope = smooth_step((self.life - age) / self.fading)
-        share = grown * remaining
-        rate = growth_slope / self.growth * remaining - grown * fading_slope / self.fading
+        grown_share, growth_slope = smooth_step(age / self.growth)
+        unfaded_share, fading_slope = smooth_step((self.life - age) / self.fading)
+        growth_rate = growth_slope / self.growth
+        fading_rate = fading_slope / self.fading
+        share = grown_share * unfaded_share
+        rate = growth_rate * unfaded_share - grown_share * fading_rate
 
         core_2 = self.core * self.core + 4.0 * self.viscosity * age
         h, slope, fall = lamb_oseen((dx * dx + dy * dy) / core_2)
@@ -152,7 +152,7 @@ class Wake(Flow):
         u, v, w = self.mean
         return (Uniform(u=u, v=v, w=w), *vortices)
 
-    def _row_of_vortices(self, side: int) -> list[_Left]:
+    def _row_of_vortices(self, side: int) -> list[_TrailedVortex]:
         """Return the vortices to the left (1) or to the right (-1) of the leader's way."""
         c = math.cos(self.direction)
         s = math.sin(self.direction)
@@ -160,25 +160,30 @@ class Wake(Flow):
         advance_y = self.speed * s + self.mean[1]
         velocity_x = self.mean[0] - self.drift * c
         velocity_y = self.mean[1] - self.drift * s
-        growth = 2.0 * QUARTER * self.period
-        first_turn = self.period * (0.5 - QUARTER * side - 0.5 * self.phase / math.pi)
-        vortices: list[_Left] = []
+        growth = 0.5 * self.period
+        half_growth = growth / 2.0
+        cycles_to_turn = 0.5 - 0.25 * side - 0.5 * self.phase / math.pi
+        first_turn = cycles_to_turn * self.period
+        aside = 0.5 * side * self.width
+        vortices: list[_TrailedVortex] = []
         for k in range(self.pairs):
             turn = first_turn + k * self.period
-            # Where it would have been as the tail came through the middle, so that it is at the tail's turn.
-            early = 0.5 * growth
+            begun = turn - half_growth
+            # It begins where its drift takes it to the place of the turn in time.
+            drift_x = velocity_x * half_growth
+            drift_y = velocity_y * half_growth
             vortices.append(
-                _Left(
+                _TrailedVortex(
                     circulation=-side * self.circulation,
                     core=self.core,
                     viscosity=self.viscosity,
-                    x=self.x - 0.5 * side * self.width * s + advance_x * turn - velocity_x * early,
-                    y=self.y + 0.5 * side * self.width * c + advance_y * turn - velocity_y * early,
+                    x=self.x - aside * s + advance_x * turn - drift_x,
+                    y=self.y + aside * c + advance_y * turn - drift_y,
                     velocity_x=velocity_x,
                     velocity_y=velocity_y,
                     advance_x=advance_x,
                     advance_y=advance_y,
-                    begun=turn - early,
+                    begun=begun,
                     life=self.pairs * self.period,
                     growth=growth,
                     fading=self.period,
@@ -236,22 +241,22 @@ def find_circulation(flux: float, speed: float, period: float, width: float) -> 
     Raises:
         ValueError: If no street of this width has that flux.
     """
-    below = 0.0
-    above = flux * period / width
-    while flux_of_street(speed, period, width, above) < flux:
-        wider = GROWTH * above
-        if flux_of_street(speed, period, width, wider) <= flux_of_street(
-            speed, period, width, above
-        ):
+    lower = 0.0
+    upper = flux * period / width
+    flux_of_upper = flux_of_street(speed, period, width, upper)
+    while flux_of_upper < flux:
+        stronger = GROWTH * upper
+        flux_of_stronger = flux_of_street(speed, period, width, stronger)
+        if flux_of_stronger <= flux_of_upper:
             raise BadArgument(
                 "thrust", f"must be less: no street {width:.3g} m wide carries that much momentum"
             )
-        below = above
-        above = wider
+        lower = upper
+        upper, flux_of_upper = stronger, flux_of_stronger
     for _ in range(HALVINGS):
-        middle = 0.5 * (below + above)
-        if flux_of_street(speed, period, width, middle) < flux:
-            below = middle
+        center = 0.5 * (lower + upper)
+        if flux_of_street(speed, period, width, center) < flux:
+            lower = center
         else:
-            above = middle
-    return 0.5 * (below + above)
+            upper = center
+    return 0.5 * (lower + upper)
