@@ -51,6 +51,19 @@ def keep(sources: Path = SOURCES, store: Path = STORE) -> int:
         return _copy_newer(sources, store)
 
 
+def copy_source(source: str, target: str) -> None:
+    """Copy a file of the package, but link machine code, of which there may be a gigabyte.
+
+    Args:
+        source: The file.
+        target: The new file.
+    """
+    if source.endswith((".nbi", ".nbc")):
+        _link(Path(source), Path(target))
+    else:
+        shutil.copy2(source, target)
+
+
 def _only_one(store: Path):
     store.mkdir(parents=True, exist_ok=True)
     return locked(store / "lock", wait=True)

@@ -3,6 +3,7 @@ import subprocess
 import sys
 
 import pytest
+from kernels import copy_source
 
 from laticauda.models.planar.model import TEMPLATES, specialize
 from laticauda.values.sources import PACKAGE, closure, digest_of
@@ -51,7 +52,10 @@ def copy(tmp_path):
 def copy_with_machine_code(tmp_path):
     """Whose kernels are found on disk, if they have been compiled here before: what an edit must not be deceived by."""
     return shutil.copytree(
-        PACKAGE, tmp_path / "laticauda", ignore=shutil.ignore_patterns("*.pyc", "*.o")
+        PACKAGE,
+        tmp_path / "laticauda",
+        ignore=shutil.ignore_patterns("*.pyc", "*.o"),
+        copy_function=copy_source,
     )
 
 
