@@ -99,7 +99,7 @@ def fit(
     Example:
         >>> from laticauda.identify import fit, from_table1
         >>> names = ["water.tangential_friction"]
-        >>> friction = fit(from_table1(), parameters=names, noise="estimated", n_starts=1)
+        >>> friction = fit(from_table1()[::4], parameters=names, noise="estimated", n_starts=1)
         >>> friction["water.tangential_friction"].is_identified
         True
     """

@@ -141,7 +141,7 @@ def predict_scenario(
 
     Example:
         >>> from laticauda.identify import basis_of, fit, from_table1
-        >>> rows = from_table1()
+        >>> rows = from_table1()[::4]
         >>> found = fit(rows, parameters=["water.tangential_friction"], n_starts=1)
         >>> basis = basis_of(found)
         >>> run = found.problem.scenarios_at(found.best)[0]
