@@ -30,6 +30,13 @@ SIZE = {"width": 1024, "height": 640}
 SMALL = {"width": 640, "height": 400}
 PHONE = {"width": 390, "height": 844}
 PANEL = 400  # width of what the panel hides on the right [px]
+PIXELS_PER_POINT = 0.5
+"""Of the 3D picture, along and across: without a graphics card, each pixel costs."""
+FEWER_PICTURES = """
+const draw = window.requestAnimationFrame.bind(window);
+window.requestAnimationFrame = callback => setTimeout(() => draw(callback), 150);
+"""
+"""Script that lets a page draw some six pictures a second; without it, it draws as many as it can."""
 CHROMIUM = (
     shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 )
@@ -55,12 +62,13 @@ def browser():
 
 
 def open_page(found, address, size=SIZE):
-    """A page that shows the cockpit; it draws with all pixels, also where that is slow."""
+    """A page that shows the cockpit, and draws no more and no finer pictures than a test needs."""
     from playwright.sync_api import TimeoutError as TooLate
 
     page = found.new_page(viewport=size)
     page.set_default_timeout(1e3 * LONG)
-    page.goto(f"{address}?fixedDpr=1")
+    page.add_init_script(FEWER_PICTURES)
+    page.goto(f"{address}?fixedDpr={PIXELS_PER_POINT}")
     page.wait_for_selector("text=amplitude [°]")
     # The page warns that no graphics card draws it.
     with contextlib.suppress(TooLate):

@@ -47,10 +47,18 @@ SPEED, ERROR = "over the last gait cycle", "cross-track error"
 
 
 @pytest.fixture(scope="module")
-def chromium():
+def launched():
     pytest.importorskip("viser")
     with browser() as found:
         yield found
+
+
+@pytest.fixture
+def chromium(launched):
+    """The browser; pages that a test leaves open would go on drawing."""
+    yield launched
+    for context in launched.contexts:
+        context.close()
 
 
 @pytest.fixture
