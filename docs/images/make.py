@@ -408,6 +408,12 @@ def edge_map(folder: Path) -> None:
     campaign["figure"](str(folder / "edge-map.png"))
 
 
+def severed_lamprey(folder: Path) -> None:
+    """Run the example, which writes its picture to the folder that it runs in."""
+    example = FOLDER.parent.parent / "examples/27_severed_lamprey.py"
+    subprocess.run([sys.executable, example], cwd=folder, check=True)
+
+
 def mission(folder: Path) -> None:
     """Draw the phases of a mission, and film a run of it in which the sonar fails."""
     scenario = load_mission("net-inspection")
@@ -452,6 +458,7 @@ PICTURES = {
     "wake": Picture(wake, ("wake.png",)),
     "edge-map": Picture(edge_map, ("edge-map.png",)),
     "parity": Picture(parity, ("parity.png",)),
+    "severed-lamprey": Picture(severed_lamprey, ("severed-lamprey.png",)),
     "mission": Picture(mission, ("mission-phases.png", "mission-map.png", "mission.webp")),
 }
 KEPT_FILES = ("cockpit-path.png", "follow.webp")
