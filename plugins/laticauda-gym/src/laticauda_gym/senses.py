@@ -35,11 +35,11 @@ def units_of_readings(
         sensors: The sensors.
         units: What is observed as 1, by the name of a value or of a sensor; 1 for all others [SI].
     """
-    found: list[float] = []
+    of_columns: list[float] = []
     for sensor in sensors:
         of_sensor = units.get(sensor.name, 1.0)
-        found += [units.get(name, of_sensor) for name in names_of_readings((sensor,))]
-    return np.array(found)
+        of_columns += [units.get(name, of_sensor) for name in names_of_readings((sensor,))]
+    return np.array(of_columns)
 
 
 class SensesOfLanes:

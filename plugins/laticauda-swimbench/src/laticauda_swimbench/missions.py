@@ -197,13 +197,13 @@ def _maker_of(policy: str) -> Maker:
         listed = ", ".join(f"`{known}`" for known in BASELINES)
         rule = f"must be {listed}, a mission file *.toml, or module:name of a controller"
         raise BadArgument("policy", f"{rule}, got {policy}")
-    found: Any = getattr(import_module(module), name, None)
-    if inspect.isclass(found):
-        make_controller: Any = found
+    named: Any = getattr(import_module(module), name, None)
+    if inspect.isclass(named):
+        make_controller: Any = named
         return lambda challenge: make_controller()
-    if not isinstance(found, lc.Controller):
+    if not isinstance(named, lc.Controller):
         raise BadArgument("policy", f"must name a controller or its class, got {policy}")
-    controller = cast("lc.Controller[Any]", found)
+    controller = cast("lc.Controller[Any]", named)
     return lambda challenge: controller
 
 
@@ -239,12 +239,12 @@ def _judge(challenge: MissionChallenge, trial: Trial) -> dict[str, Any]:
     """Return what came of a run, by what is true."""
     duration = float(trial.time[-1])
     assert trial.electrical_work is not None
-    found: dict[str, Any] = {"duration": duration, "energy": float(trial.electrical_work[-1])}
+    figures: dict[str, Any] = {"duration": duration, "energy": float(trial.electrical_work[-1])}
     if challenge.task == "station":
         distance = np.hypot(trial.center_of_mass[:, 0], trial.center_of_mass[:, 1])
         nearness = 1.0 / (1.0 + (distance / challenge.tolerance) ** 2)
         rms_distance = float(np.sqrt(np.mean(distance**2)))
-        return {**found, "worth": float(np.mean(nearness)), "rms_distance": rms_distance}
+        return {**figures, "worth": float(np.mean(nearness)), "rms_distance": rms_distance}
     model = challenge.scenario.model
     net = find_net(model.places)
     (sonar,) = [sensor for sensor in model.sensors if isinstance(sensor, Sonar)]
@@ -256,7 +256,7 @@ def _judge(challenge: MissionChallenge, trial: Trial) -> dict[str, Any]:
     if clearance > 0.0:
         worth = 0.5 * share_seen * (1 + is_docked)
     return {
-        **found,
+        **figures,
         "worth": worth,
         "share_seen": share_seen,
         "docked": is_docked,

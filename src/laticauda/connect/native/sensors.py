@@ -49,8 +49,10 @@ def warn_of_missing_sensors(plant: PlanarPlant) -> None:
     """
     missing: list[str] = []
     for sensor in plant.settings.sensors:
-        known = _formulas_of(sensor, plant)
-        missing += [f"{sensor.name}_{name}" for name in sensor.columns if name not in known]
+        formula_of_column = _formulas_of(sensor, plant)
+        missing += [
+            f"{sensor.name}_{name}" for name in sensor.columns if name not in formula_of_column
+        ]
     if missing:
         warn_caller(
             f"there are no outputs for {', '.join(missing)}: C code has neither places nor loads, "
