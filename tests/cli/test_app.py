@@ -146,6 +146,9 @@ def test_the_help_of_every_command_has_an_example_that_runs_and_offers_json(
         write_example(folder)
     for file in saved_runs.iterdir():
         shutil.copy(file, folder)
+    if words == "import farms":
+        shutil.copy(Path(__file__).parent.parent / "data" / "farms" / "eel.sdf", folder)
+        (folder / "animat_config.yaml").write_text("sdf: eel.sdf\n")
     if words == "view":
         skip_without_rendering()
     if words == "replay":

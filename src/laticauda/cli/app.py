@@ -64,11 +64,12 @@ COMMANDS_BY_PURPOSE: dict[str, tuple[str, ...]] = {
     "Study": ("sweep", "optimize", "reproduce"),
     "Measure": ("identify", "predict", "design-experiment", "lab", "operate", "drivers", "replay"),
     "Film": ("tags", "lens", "camera", "track", "inverse"),
-    "Use elsewhere": ("export", "serve"),
+    "Use elsewhere": ("export", "import", "serve"),
 }
 """Commands in the order in which a newcomer needs them; others come last."""
 GROUPS = {
     "export": "Write robots to files for other programs.",
+    "import": "Read robots of other programs.",
     "trial": "Show, compare, plot and convert stored trials.",
 }
 """First words that several commands have in common."""
@@ -218,6 +219,8 @@ def _refuse_with_list(
         choices: Descriptions of the commands by the next word.
         typed: The words after `prog`.
     """
+    if len(choices) == 1:
+        _refuse_with_only_command(prog, description, choices, typed)
     subcommands: list[Any] = []
     for name, text in choices.items():
         subcommand = tyro.conf.subcommand(name, description=text, constructor=_NoCommand)
@@ -233,6 +236,17 @@ def _refuse_with_list(
     quiet = (tyro.conf.HelptextFromCommentsOff,)
     tyro.cli(chosen, prog=prog, description=wrap_text(description), args=typed, config=quiet)
     raise SystemExit(STATUS_BAD_INPUT)  # pragma: no cover - tyro has ended the program
+
+
+def _refuse_with_only_command(
+    prog: str, description: str, choices: dict[str, str], typed: list[str]
+) -> NoReturn:
+    """Name the only command of a group, of which tyro would make no list; see `_refuse_with_list`."""
+    [(name, text)] = choices.items()
+    if typed in (["--help"], ["-h"]):
+        print(f"usage: {prog} {name} ...\n\n{description}\n\n  {name}  {text}")
+        raise SystemExit(0)
+    raise BadFlag(f"`{prog}` has one command, {name}; `{prog} {name} --help` explains it.")
 
 
 @dataclass
