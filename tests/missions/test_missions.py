@@ -339,3 +339,18 @@ def test_the_stored_campaign_holds_what_the_page_says_and_repeats_a_row(inspecti
 def test_intervals_of_wilson_are_those_of_tables():
     low, high = wilson_interval(950, 1000)
     assert (round(low, 4), round(high, 4)) == (0.9347, 0.9619)
+
+
+@pytest.mark.parametrize("kind", ["silent", "frozen"])
+def test_what_a_silent_or_frozen_sonar_passes_by_is_not_seen(inspection, kind):
+    straight = Mission(
+        gait=GAIT,
+        phases=(replace(OUT, behaviour=SwimStraight(distance=50.0)), REST),
+        navigation=inspection.motion.navigation,
+    )
+    start = lc.Start(center_of_mass=(5.0, -3.0))
+    scenario = replace(inspection, motion=straight, start=start, duration=15.0)
+    failing = with_fault(scenario, "sonar", kind, begin=0.5, end=60.0)
+    well, failed = run_missions([scenario, failing])
+    assert well.share_seen > 0.1
+    assert failed.share_seen < 0.5 * well.share_seen

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float
 
+from laticauda.missions.pings import find_new_rows, read_distances
 from laticauda.robot import kinematics
 from laticauda.scenarios import Scenario
 from laticauda.sensing import Dock, Net, Place, Sonar, surroundings_of
@@ -40,6 +41,8 @@ def measure_clearance(trial: Trial) -> float:
 def measure_share_seen(trial: Trial, net: Net, sonar: Sonar) -> float:
     """Return the share of a net's circumference that the sonar saw, within its range and 60 deg of incidence.
 
+    Only where the robot was when the sonar told something new counts: a silent or frozen one sees nothing.
+
     Args:
         trial: The run.
         net: The net.
@@ -49,8 +52,8 @@ def measure_share_seen(trial: Trial, net: Net, sonar: Sonar) -> float:
     tips = _posture_of(trial).link_ends[:, -1]
     directions = trial.link_angle[:, -1].tolist()
     is_seen = np.zeros(len(marks.points), dtype=bool)
-    for tip, direction in zip(tips, directions, strict=True):
-        is_seen |= _sees(tip, direction, marks, sonar)
+    for sample in find_new_rows(read_distances(trial, sonar)):
+        is_seen |= _sees(tips[sample], directions[sample], marks, sonar)
     return float(np.mean(is_seen))
 
 

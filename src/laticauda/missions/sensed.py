@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
+from laticauda.missions.pings import find_new_rows, read_distances
 from laticauda.missions.running import MissionResult
 from laticauda.robot import kinematics
 from laticauda.scenarios import Scenario
@@ -35,11 +36,11 @@ def find_pings(result: MissionResult) -> list[Ping]:
         return []
     sonar = sonars[0]
     bearings = np.array(sonar.beams)
-    distances = _distances_told(trial, sonar)
+    distances = read_distances(trial, sonar)
     robot = trial.robot.planar()
     posture = kinematics.Posture(robot, trial.center_of_mass[:, :2], trial.link_angle)
     pings: list[Ping] = []
-    for sample in _find_new_rows(distances):
+    for sample in find_new_rows(distances):
         is_echo = np.isfinite(distances[sample])
         head = posture.link_ends[sample, -1]
         directions = trial.link_angle[sample, -1] + bearings[is_echo]
@@ -47,23 +48,6 @@ def find_pings(result: MissionResult) -> list[Ping]:
         echoes = head + distances[sample, is_echo, np.newaxis] * rays
         pings.append(Ping(time=float(trial.time[sample]), head=head, echoes=echoes))
     return pings
-
-
-def _distances_told(trial: Trial, sonar: Sonar) -> Float[np.ndarray, "n_samples n_beams"]:
-    """Return what a sonar told last at every sample, nan where there was no echo [m]."""
-    distances: list[np.ndarray] = []
-    for column in sonar.columns:
-        distances.append(trial.signals[f"{sonar.name}_{column}"])
-    return np.stack(distances, axis=-1)
-
-
-def _find_new_rows(distances: Float[np.ndarray, "n_samples n_beams"]) -> list[int]:
-    """Return the samples at which a sonar told something new: noise never repeats."""
-    # No echo again is nothing new, and nan would differ from nan.
-    distances = np.nan_to_num(distances, nan=np.inf)
-    open_water = np.full((1, distances.shape[1]), np.inf)
-    changes = np.concatenate((open_water, distances[:-1])) != distances
-    return np.flatnonzero(changes.any(axis=1)).tolist()
 
 
 class Failure(NamedTuple):
