@@ -56,6 +56,8 @@ from laticauda.show.reports.front import draw_front_sheet
 from laticauda.studies import Optimization, optimize
 from laticauda.trials.null_models import mape
 from laticauda.values.errors import LaticaudaError
+from laticauda.water.fluid.uniform import Uniform
+from laticauda.water.fluid.waves import Waves
 
 FOLDER = Path(__file__).parent
 CAMPAIGNS = FOLDER.parent.parent / "campaigns"
@@ -428,6 +430,24 @@ def mission(folder: Path) -> None:
         shrink_film(whole, folder / "mission.webp", width=800)
 
 
+def net_pen(folder: Path) -> None:
+    """Draw and film the mission of the tutorial on a net pen, in its tide and its waves."""
+    page = (FOLDER.parent / "tutorials" / "net-pen.md").read_text(encoding="utf-8")
+    _, _, after_title = page.partition('title="pen.toml"\n')
+    content, _, _ = after_title.partition("```")
+    with tempfile.TemporaryDirectory() as scratch:
+        file = Path(scratch) / "pen.toml"
+        file.write_text(content, encoding="utf-8")
+        scenario = load_mission(file)
+        sea = Uniform(v=0.11) + Waves(height=0.1, period=4.0, direction=2.0)
+        water = replace(cast(lc.Water, scenario.environment), current=sea)
+        result = run_mission(replace(scenario, environment=water))
+        save_figure(draw_map(result), folder / "net-pen-map.png")
+        whole = Path(scratch) / "film.mp4"
+        film_mission(result).save(whole)
+        shrink_film(whole, folder / "net-pen.webp", width=800)
+
+
 @dataclass(frozen=True)
 class Picture:
     """One or several files that are drawn together."""
@@ -459,6 +479,7 @@ PICTURES = {
     "edge-map": Picture(edge_map, ("edge-map.png",)),
     "parity": Picture(parity, ("parity.png",)),
     "severed-lamprey": Picture(severed_lamprey, ("severed-lamprey.png",)),
+    "net-pen": Picture(net_pen, ("net-pen-map.png", "net-pen.webp")),
     "mission": Picture(mission, ("mission-phases.png", "mission-map.png", "mission.webp")),
 }
 KEPT_FILES = ("cockpit-path.png", "follow.webp")
