@@ -469,6 +469,11 @@ def test_a_wrong_animat_is_refused_with_its_place(
             "<child>b</child></joint></model></sdf>",
             "joint `j` names `b`, which is no link",
         ),
+        (
+            "<sdf><model><link name='a'><inertial><inertia><ixx>inf</ixx></inertia></inertial>"
+            "</link></model></sdf>",
+            "moments of inertia must be finite",
+        ),
         ("<sdf><model><link name='a'/></model></sdf>", "no hinge bends it between `a` and `a`"),
     ],
 )

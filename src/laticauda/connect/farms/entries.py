@@ -200,7 +200,7 @@ class Entry(NamedTuple):
         if tables is None:
             return
         if not isinstance(tables, list):
-            raise self.error(key, f"must be a list of tables, got {tables!r}")
+            raise self.error(key, f"must be a list of tables, got {_show(tables)}")
         for i, table in enumerate(cast(list[Any], tables)):
             if not isinstance(table, dict):
                 raise self.error(f"{key}[{i}]", f"must be a table, got {_show(table)}")
@@ -263,6 +263,8 @@ def read_entries(path: str | Path) -> Entry:
         raise RobotFileError(f"{path}: is not YAML{line}: {problem}") from None
     except RecursionError:
         raise RobotFileError(f"{path}: is not YAML: nested too deeply") from None
+    except ValueError as failure:  # of a date or a number that cannot be one
+        raise RobotFileError(f"{path}: is not YAML: {failure}") from None
     if not isinstance(table, dict):
         raise RobotFileError(f"{path}: must hold a table, as an animat of FARMS does")
     return Entry(Path(path), "", cast(dict[str, Any], table))

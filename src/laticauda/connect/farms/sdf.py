@@ -33,6 +33,8 @@ HINGES = ("revolute", "continuous")
 """Types of joints that bend."""
 WORLD = "world"
 """Parent of what is fixed in space."""
+MOMENTS = ("xx", "yy", "zz", "xy", "xz", "yz")
+"""Axes of the moments of inertia."""
 ENDLESS = 1e15
 """Angle from which on a limit is none [rad]."""
 
@@ -194,10 +196,10 @@ class _Reader:
         )
 
     def _read_inertia(self, inertial: ET.Element) -> np.ndarray:
-        xx, yy, zz, xy, xz, yz = (
-            self._number(inertial, f"inertia/i{axes}", 0.0)
-            for axes in ("xx", "yy", "zz", "xy", "xz", "yz")
-        )
+        moments = [self._number(inertial, f"inertia/i{axes}", 0.0) for axes in MOMENTS]
+        if not np.all(np.isfinite(moments)):
+            raise self._error("moments of inertia must be finite")
+        xx, yy, zz, xy, xz, yz = moments
         return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
     def _read_solids(

@@ -124,7 +124,8 @@ def _find_path(
             neighbors[name].append(body.parent)
             neighbors[body.parent].append(name)
     paths: dict[str, list[str]] = {first: [first]}
-    for name in (queue := [first]):  # grows meanwhile
+    queue = [first]
+    for name in queue:  # grows meanwhile
         for neighbor in neighbors[name]:
             if neighbor not in paths:
                 paths[neighbor] = [*paths[name], neighbor]
@@ -187,12 +188,16 @@ def _segments_by_body(segments: Sequence[list[Body]]) -> dict[str, list[Body]]:
 
 def _find_forward(segments: Sequence[Sequence[Body]], hinges: Sequence[Hinge]) -> Vector:
     """Return the direction from tail to head: that of the joints, or of the two masses at one joint."""
-    if len(hinges) > 1:
-        return normalize(hinges[0].anchor - hinges[-1].anchor)
-    return normalize(_heaviest(segments[0]).center - _heaviest(segments[-1]).center)
+    direction = hinges[0].anchor - hinges[-1].anchor
+    if len(hinges) == 1:
+        direction = _heaviest(segments[0]).center - _heaviest(segments[-1]).center
+    if not np.any(direction):
+        raise ValueError("its head and its tail are at one place")
+    return normalize(direction)
 
 
 def _heaviest(bodies: Sequence[Body]) -> Body:
+    """Return the body of largest mass."""
     return max(bodies, key=lambda body: body.mass)
 
 
