@@ -5,7 +5,7 @@ of links, or for the front between speed and power.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from itertools import chain
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -15,6 +15,7 @@ import tyro
 
 from laticauda import studies
 from laticauda.cli.command import Outcome
+from laticauda.cli.design_report import Design, describe_refusals, describe_start
 from laticauda.cli.flags import File, Folder, PictureOutput, Words
 from laticauda.cli.progress import stored_trials
 from laticauda.cli.scene import warn_of_compiling
@@ -40,6 +41,7 @@ from laticauda.cli.vary import (
 )
 from laticauda.models.simulate import connected
 from laticauda.models.simulate.numbers import list_parameters
+from laticauda.robot import with_servos
 from laticauda.scenarios import Scenario
 from laticauda.show import figures
 from laticauda.studies import (
@@ -284,8 +286,9 @@ class Optimize(Study):
     amplitude-deg=10:50 frequency-deg-s=50:150 phase-shift-deg=10:60 --objective speed-power --budget
     400 --seed 1 --output optimum
 
-    Writes front.csv, front.nc and, for two objectives, the figure front.png. After a stop or a
-    kill, the same command resumes.
+    Writes front.csv, front.nc and, for two objectives, the figure front.png; for one objective and
+    numbers of the robot also robot.toml, scenario.toml and the drawing design.png. After a stop or
+    a kill, the same command resumes.
     """
 
     vary: Annotated[tuple[Words, ...], tyro.conf.UseAppendAction] = option(
@@ -308,6 +311,13 @@ class Optimize(Study):
     seed: int = quantity(
         "", "Seed of all random numbers; another seed searches differently", ge=0, default=0
     )
+    servo: str | None = option(
+        "Servo of all joints, a preset such as xw540-t140 or a TOML file; if omitted, the robot's own",
+        default=None,
+    )
+    method: studies.Method = option(
+        "How points are chosen; auto follows slopes where there are some", default="auto"
+    )
     scheduler: str | None = scheduler_option()
     limits: Limits = option("Limits that gaits must observe", default=Limits())
     output: Folder = option(
@@ -319,15 +329,24 @@ class Optimize(Study):
         from laticauda.show.reports import write_front_figure
 
         folder = Path(self.output)
+        if self.servo is not None:
+            scenario = replace(scenario, robot=with_servos(scenario.robot, self.servo))
         front = self._front(scenario, folder)
         front.write_csv(folder / "front.csv")
         front.write_netcdf(folder / "front.nc")
         pictures = write_front_figure([front], folder)
         paragraphs = [_describe_front(front, folder)]
-        if pictures:
+        design = Design.of(front)
+        if design is not None:
+            pictures = [*pictures, *design.write(folder)]
+            paragraphs.append(design.words)
+        elif pictures:
             paragraphs.append(f"Figure: {', '.join(map(str, pictures))}")
+        facts = _facts_of_front(front, folder, pictures)
+        if design is not None:
+            facts["limits"] = design.facts
         return Outcome(
-            facts=_facts_of_front(front, folder, pictures),
+            facts=facts,
             text="\n\n".join(paragraphs),
             succeeded=len(front) > 0,
         )
@@ -351,6 +370,7 @@ class Optimize(Study):
                 progress=show,
                 budget=self.budget,
                 population=self.population,
+                method=self.method,
                 seed=self.seed,
                 client=client,
                 threads=self.threads,
@@ -438,6 +458,11 @@ def _describe_status(front: studies.Front) -> str:
     status = f"{gait}, robot {scenario.robot.name}, {objectives}: {front.n_trials} points tried"
     if front.n_infeasible:
         status += f", {front.n_infeasible} of them not feasible"
+    if front.n_slope_trials:
+        status += f", and {front.n_slope_trials} trials for slopes"
+    if not len(front) and optimization.limits_design:
+        refused = describe_refusals(front)
+        return f"{status}; none is feasible: {refused}. The robot as it is: {describe_start(optimization)}"
     if not len(front):
         return (
             f"{status}; none is feasible: gaits exceed the limits of joints or actuators (--beyond-actuators), or "

@@ -63,6 +63,11 @@ if TYPE_CHECKING:
         read_adjustments as read_adjustments,
     )
     from laticauda.robot.robot import Robot as Robot, has_power_model as has_power_model
+    from laticauda.robot.servos import (
+        load_servo as load_servo,
+        servo_names as servo_names,
+        with_servos as with_servos,
+    )
     from laticauda.robot.textbook import (
         SEEN as SEEN,
         TEXTBOOK as TEXTBOOK,
@@ -135,6 +140,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
         ],
         "laticauda.robot.parameters": ["Parameters", "load_parameters", "parameter_names"],
         "laticauda.robot.robot": ["Robot", "has_power_model"],
+        "laticauda.robot.servos": ["load_servo", "servo_names", "with_servos"],
         "laticauda.robot.textbook": [
             "SEEN",
             "TEXTBOOK",

@@ -49,7 +49,7 @@ KINDS: dict[str, type[Described]] = {
 }
 """Classes of what files hold, by kind; any other kind is that of a flow."""
 PRESETS = Path(__file__).parent / "presets"
-FOLDERS = {kind: f"{kind}s" for kind in (*KINDS, "current", "parameter", "motion")}
+FOLDERS = {kind: f"{kind}s" for kind in (*KINDS, "current", "parameter", "motion", "servo")}
 """Folders of the presets, by kind."""
 
 

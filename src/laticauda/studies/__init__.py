@@ -10,13 +10,20 @@ damage          which of its regions are damaged
 checksums       which of its other files are
 running         running a sweep, here or on a cluster (`remote_points`)
 sharing         shares of a sweep, each run by a process of its own, and their merger
+design_limits   battery, mass, buoyancy, lengths: what a design must respect
 optimization    definition of an optimization, and the evaluation of its points
-search          which points to try next
+choosing        which search an optimization takes
+search          an evolution: which points to try next
 slope_search    the same with the slopes of one objective
+cma_search      CMA-ES
+limited_search  along the slopes of one objective and of all limits
+local_model     these slopes
+quadratic       quadratic programs
 checkpoint      the points tried so far, in a file
 optimize        an optimization from beginning to end
 front           its result
 limits          what limits the robot at a point
+judging         what a design takes of its limits
 folder          folders of jobs that can be stopped and resumed
 averaged        averaged model of a gait, for model-predictive guidance
 """
@@ -29,6 +36,12 @@ from laticauda.studies.optimize import optimize as optimize  # at once: a module
 if TYPE_CHECKING:
     from laticauda.studies.averaged import averaged_model as averaged_model
     from laticauda.studies.front import Front as Front, pareto_front as pareto_front
+    from laticauda.studies.judging import (
+        Judgment as Judgment,
+        LimitUse as LimitUse,
+        judge_design as judge_design,
+        judge_point as judge_point,
+    )
     from laticauda.studies.optimization import (
         OBJECTIVES as OBJECTIVES,
         Optimization as Optimization,
@@ -58,6 +71,8 @@ if TYPE_CHECKING:
         open_sweep as open_sweep,
     )
     from laticauda.studies.sweep import Sweep as Sweep
+    from laticauda.studies.choosing import Method as Method
+    from laticauda.studies.design_limits import DesignLimits as DesignLimits
     from laticauda.studies.limits import (
         describe_limits as describe_limits,
         name_limits as name_limits,
@@ -80,6 +95,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
     {
         "laticauda.studies.averaged": ["averaged_model"],
         "laticauda.studies.front": ["Front", "pareto_front"],
+        "laticauda.studies.judging": ["Judgment", "LimitUse", "judge_design"],
         "laticauda.studies.optimization": ["OBJECTIVES", "Optimization", "SPEED_POWER"],
         "laticauda.studies.running": ["run_sweep"],
         "laticauda.studies.sampling": ["Grid", "Rows", "Samples"],
@@ -95,6 +111,9 @@ __getattr__, __dir__, __all__ = lazy_exports(
     own=["optimize"],
     plain={
         "laticauda.studies.optimization": ["Limits"],
+        "laticauda.studies.choosing": ["Method"],
+        "laticauda.studies.design_limits": ["DesignLimits"],
+        "laticauda.studies.judging": ["judge_point"],
         "laticauda.studies.limits": ["describe_limits", "name_limits"],
         "laticauda.studies.point_trials": [
             "COSTS",

@@ -1,7 +1,7 @@
 """Result of an optimization: the nondominated points, and how they are shown and written."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -52,6 +52,10 @@ class Front:
     """Number of infeasible points among them; see `Optimization`."""
     seed: int
     """Seed of the search."""
+    refusals: Mapping[str, int] = field(default_factory=dict[str, int])
+    """With limits of a design: number of infeasible points by the limit that refused them."""
+    n_slope_trials: int = 0
+    """Trials that slopes of limits cost besides, see `laticauda.studies.limited_search`."""
 
     def __len__(self) -> int:
         """Return the number of points."""
@@ -64,7 +68,8 @@ class Front:
             point: Index of the point.
         """
         optimization = self.optimization
-        scenarios = scenarios_at(optimization.scenario, optimization.names, self.values[[point]])
+        swum = optimization.to_swim(self.values[[point]])
+        scenarios = scenarios_at(optimization.scenario, swum.names, swum.table)
         return scenarios[0]
 
     def gait(self, point: int) -> lc.Gait:

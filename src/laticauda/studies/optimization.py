@@ -4,7 +4,7 @@ Also the evaluation of its points: their figures, and how far each is from being
 """
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -18,8 +18,19 @@ from laticauda.models.simulate import (
     runs_of,
 )
 from laticauda.models.simulate.numbers import list_parameters
+from laticauda.models.simulate.parameter_paths import strip_items
+from laticauda.robot import Water
 from laticauda.scenarios import Controller, OpenLoop
 from laticauda.studies import sampling
+from laticauda.studies.design_limits import (
+    BodyNumbers,
+    DesignLimits,
+    ballasted_masses,
+    battery_share,
+    check_design_limits,
+    largest_share,
+    limits_of_body,
+)
 from laticauda.studies.point_trials import (
     COSTS,
     QUANTITIES,
@@ -27,6 +38,7 @@ from laticauda.studies.point_trials import (
     check_ranges,
     check_scenario,
     definition_of,
+    scenarios_at,
     swim_points,
     swum_figure,
 )
@@ -46,6 +58,8 @@ OBJECTIVES = (
 """What can be optimized: speeds are maximized, powers and the cost of transport minimized."""
 SPEED_POWER = ("forward_velocity", "mechanical_power")
 """The objectives, unless others are stated."""
+LENGTH_OF_MODULES = "robot.module.length"
+MASS_OF_MODULES = "robot.module.mass"
 VIOLATION = "violation"
 """Name of the column that says how far a point is from being feasible."""
 FAILED = 1e3
@@ -65,7 +79,7 @@ def _check_objectives(name: str, objectives: str | Sequence[str]) -> tuple[str, 
 
 
 @value_class
-class Limits:
+class Limits(DesignLimits):
     """Limits that a point must respect, besides those of the joints, to be feasible."""
 
     joint_rate_limit: float | None = quantity(
@@ -125,6 +139,7 @@ class Optimization(Limits):
         """Check the fields against each other."""
         check_scenario(self.scenario)
         check_ranges(self.scenario, self.bounds, "bounds")
+        check_design_limits(self, self.scenario)
         objectives = [swum_figure(name, self.scenario, self.bounds) for name in self.objectives]
         object.__setattr__(self, "objectives", _check_objectives("objectives", objectives))
 
@@ -157,13 +172,63 @@ class Optimization(Limits):
         low, high = self._bound_arrays()
         rounded = np.rint(searched)
         whole = np.clip(rounded, low, high)
-        return np.where(self._is_whole, whole, searched)
+        points = np.where(self._is_whole, whole, searched)
+        return self.in_length_steps(points)
+
+    def in_length_steps(self, points: Table) -> Table:
+        """Return points whose lengths of modules are multiples of `length_step`, within the bounds.
+
+        Args:
+            points: The points, one per row.
+        """
+        step = self.length_step
+        if step is None:
+            return points
+        low, high = self._bound_arrays()
+        least = np.ceil(low / step - ROUNDING)
+        most = np.floor(high / step + ROUNDING)
+        steps = np.clip(np.rint(points / step), least, most)
+        return np.where(self.is_length, step * steps, points)
 
     def _bound_arrays(self) -> tuple[np.ndarray, np.ndarray]:
         """Return the smallest and the largest value of every parameter."""
         bounds = np.array([*self.bounds.values()], dtype=float)
         low, high = bounds.T
         return low, high
+
+    @property
+    def is_length(self) -> np.ndarray:
+        """Whether each parameter is the length of modules."""
+        return np.array([strip_items(name) == LENGTH_OF_MODULES for name in self.names])
+
+    def to_swim(self, points: Table) -> "Swum":
+        """Return names and values of the numbers with which points swim: with ballast, modules are heavier.
+
+        Args:
+            points: The points, one per row.
+        """
+        if not self.ballast:
+            return Swum(self.names, points)
+        own = [i for i, name in enumerate(self.names) if strip_items(name) != MASS_OF_MODULES]
+        masses: list[list[float]] = []
+        for scenario in self.bodies_at(points):
+            masses.append(ballasted_masses(scenario.robot, scenario.environment.density))
+        n_modules = self.scenario.robot.n_links
+        names_of_masses = (f"robot.module[{i}].mass" for i in range(n_modules))
+        names = (*(self.names[i] for i in own), *names_of_masses)
+        return Swum(names, np.column_stack((points[:, own], masses)))
+
+    def bodies_at(self, points: Table) -> list[Any]:
+        """Return scenarios with the robots of some points, without ballast and with the gait as it is.
+
+        Args:
+            points: The points, one per row.
+        """
+        own = [i for i, name in enumerate(self.names) if not name.startswith("gait.")]
+        if not own:
+            return [self.scenario] * len(points)
+        names = tuple(self.names[i] for i in own)
+        return scenarios_at(self.scenario, names, points[:, own])
 
     @property
     def takes_whole_numbers(self) -> bool:
@@ -198,40 +263,99 @@ def evaluate(
     """
     scenario = optimization.scenario
     names = optimization.names
-    violation = _excess_of_gaits(scenario, names, table, optimization.joint_rate_limit)
+    swum = optimization.to_swim(table)
+    violation = _excess_of_gaits(scenario, swum.names, swum.table, optimization.joint_rate_limit)
+    bodies = find_bodies(optimization, table)
+    violation = np.maximum(violation, excess_of_bodies(optimization, bodies))
     swims = violation == 0.0
     results: dict[str, Column] = {}
     for name in QUANTITIES:
         results[name] = np.full(len(table), np.nan)
     results["succeeded"] = np.zeros(len(table), dtype=bool)
     if swims.any():
-        figures = _swim(optimization, table[swims], threads, client)
+        figures = _swim(optimization, swum.names, swum.table[swims], threads, client)
         for name, values in figures.items():
             results[name][swims] = values
     if not optimization.beyond_actuators:
-        excess = results["utilization"] - 1.0
+        excess = results["utilization"] / optimization.servo_share - 1.0
         violation = np.where(swims & (excess > ROUNDING), excess, violation)
     if optimization.least_velocity is not None:
         speed = swum_figure("forward_velocity", scenario, names)
         shortfall = 1.0 - results[speed] / optimization.least_velocity
         is_slow = swims & (shortfall > 0.0)
         violation = np.where(is_slow, np.maximum(shortfall, violation), violation)
+    idle_power = np.array([body.idle_power for body in bodies])
+    speed_through_water = results[speed_of_range(scenario)]
+    battery = battery_share(optimization, results["mean_power"], speed_through_water, idle_power)
+    if battery is not None:
+        is_beyond = swims & (battery > 1.0 + ROUNDING)
+        violation = np.where(is_beyond, np.maximum(battery - 1.0, violation), violation)
     has_values = np.full(len(table), True)
     for name in optimization.objectives:
         has_values &= np.isfinite(results[name])
+    violation = np.minimum(violation, FAILED)
     results[VIOLATION] = np.where(swims & ~has_values, FAILED, violation)
     return results
 
 
+class Swum(NamedTuple):
+    """Names and values of the numbers with which points swim."""
+
+    names: tuple[str, ...]
+    """Names, one per column."""
+    table: Table
+    """Values, one row per point."""
+
+
+def speed_of_range(scenario: lc.Scenario) -> str:
+    """Return the figure of the speed at which a robot covers the range of its battery.
+
+    Args:
+        scenario: The scenario.
+    """
+    if isinstance(scenario.environment, Water):
+        return "speed_through_water"
+    return "forward_velocity"
+
+
+def find_bodies(optimization: Optimization, table: Table) -> list[BodyNumbers]:
+    """Return the numbers of the bodies of points, with ballast; none if no limit is about them.
+
+    Args:
+        optimization: The optimization.
+        table: The points, one per row.
+    """
+    if not (optimization.limits_body or optimization.battery is not None):
+        return []
+    return [
+        BodyNumbers.of(scenario, with_ballast=optimization.ballast)
+        for scenario in optimization.bodies_at(table)
+    ]
+
+
+def excess_of_bodies(optimization: Optimization, bodies: Sequence[BodyNumbers]) -> Column | float:
+    """Return how far bodies are beyond what their limits allow, relative to these; 0 without limits.
+
+    Args:
+        optimization: The optimization.
+        bodies: Numbers of the bodies.
+    """
+    if not bodies:
+        return 0.0
+    shares = [largest_share(limits_of_body(optimization, body)).share for body in bodies]
+    excess = np.array(shares) - 1.0
+    return np.where(excess > ROUNDING, excess, 0.0)
+
+
 def _swim(
     optimization: Optimization,
+    names: tuple[str, ...],
     table: Table,
     threads: int | None,
     client: Any,
 ) -> dict[str, Column]:
     """Simulate points, here or on a cluster."""
     scenario = optimization.scenario
-    names = optimization.names
     if client is None:
         return swim_points(scenario, names, table, threads)
     from laticauda.studies.remote_points import swim_points_on
@@ -247,16 +371,32 @@ def has_slopes(optimization: Optimization) -> bool:
     Args:
         optimization: The optimization.
     """
-    scenario = optimization.scenario
     if len(optimization.objectives) > 1 or optimization.takes_whole_numbers:
         return False
-    motion = scenario.motion
-    is_steered = isinstance(motion, Controller) and not isinstance(motion, OpenLoop)
-    if is_steered:
+    if _is_steered(optimization.scenario):
         return False
-    (run,) = runs_of([scenario])
+    (run,) = runs_of([optimization.scenario])
     n_numbers = len(optimization.names)
     return gradients.is_cheaper([run.plant], n_figures=1, n_numbers=n_numbers)
+
+
+def can_have_slopes(optimization: Optimization) -> bool:
+    """Return whether one objective and all limits can be differentiated: with prescribed joints.
+
+    Args:
+        optimization: The optimization.
+    """
+    if len(optimization.objectives) > 1 or optimization.takes_whole_numbers:
+        return False
+    if _is_steered(optimization.scenario):
+        return False
+    (run,) = runs_of([optimization.scenario])
+    return gradients.can_go_backward([run.plant])
+
+
+def _is_steered(scenario: lc.Scenario) -> bool:
+    """Return whether a controller steers the robot."""
+    return isinstance(scenario.motion, Controller) and not isinstance(scenario.motion, OpenLoop)
 
 
 def compute_slope(
@@ -282,11 +422,15 @@ def compute_slope(
     is_known = np.isfinite(slope)
     if not np.all(is_known):
         return None
-    return _sign_of_loss(objective) * slope
+    return sign_of_loss(objective) * slope
 
 
-def _sign_of_loss(objective: str) -> float:
-    """Return 1 for a figure that is to be small, -1 for one that is to be large."""
+def sign_of_loss(objective: str) -> float:
+    """Return 1 for a figure that is to be small, -1 for one that is to be large.
+
+    Args:
+        objective: Name of the figure.
+    """
     return 1.0 if objective in COSTS else -1.0
 
 
@@ -297,7 +441,7 @@ def compute_losses(names: Sequence[str], results: Mapping[str, np.ndarray]) -> n
         names: Names of the objectives.
         results: Values by name.
     """
-    columns = [_sign_of_loss(name) * results[name] for name in names]
+    columns = [sign_of_loss(name) * results[name] for name in names]
     return np.nan_to_num(np.stack(columns, axis=1), nan=0.0)
 
 

@@ -4,11 +4,9 @@
 `front` holds the best of them.
 """
 
-from collections.abc import Mapping
 from contextlib import nullcontext
-from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -21,25 +19,19 @@ from laticauda.studies.checkpoint import (
     Columns,
     join_columns,
 )
+from laticauda.studies.choosing import Method, choose_search
+from laticauda.studies.cma_search import CmaSearch
 from laticauda.studies.folder import as_stored, owned
 from laticauda.studies.front import Front, pareto_front
-from laticauda.studies.optimization import (
-    VIOLATION,
-    Optimization,
-    compute_losses,
-    compute_slope,
-    evaluate,
-    has_slopes,
-)
+from laticauda.studies.limited_search import LimitedSearch
+from laticauda.studies.optimization import VIOLATION, Optimization, compute_losses, evaluate
 from laticauda.studies.point_trials import QUANTITIES, Progress
-from laticauda.studies.search import Search, package_versions
+from laticauda.studies.refusals import count_refusals
+from laticauda.studies.search import Search
 from laticauda.studies.slope_search import SlopeSearch
 from laticauda.values import BadArgument, check_whole_number
 
-POPULATION: Mapping[int, int] = {1: 40, 2: 100}
-"""Points in a generation, by number of objectives."""
-LEAST_POPULATION = 4
-"""Points in a generation at least: differential evolution combines four of them."""
+AnySearch: TypeAlias = Search | SlopeSearch | LimitedSearch | CmaSearch
 
 
 def optimize(
@@ -48,6 +40,7 @@ def optimize(
     *,
     budget: int = 4000,
     population: int | None = None,
+    method: Method = "auto",
     seed: int = 0,
     progress: Progress = silent,
     client: Any = None,
@@ -56,7 +49,10 @@ def optimize(
     """Search for the best points: by NSGA-II for two objectives, by differential evolution for one.
 
     For one objective and more than ten numbers, with prescribed joints, the search also follows the
-    objective's slopes from the best point, see `laticauda.studies.slope_search`.
+    objective's slopes from the best point, see `laticauda.studies.slope_search`; otherwise so many
+    numbers are searched by CMA-ES. With limits of a design (`DesignLimits`) it begins at the
+    scenario's own numbers and follows the slopes of objective and limits, see
+    `laticauda.studies.limited_search`, or CMA-ES where joints are not prescribed.
 
     Every generation is one batch of `swim_many`. With a folder, every generation is stored there;
     an optimization that was stopped or killed continues from there, and ends bit-for-bit the same
@@ -66,8 +62,10 @@ def optimize(
         optimization: What may change, and which figures are maximized or minimized.
         folder: Folder for the checkpoint; created if needed. It must be empty or hold this same
             optimization. None stores nothing.
-        budget: Number of points to try.
-        population: Points in a generation; None takes 100 for two objectives, 40 for one.
+        budget: Number of points to try; with limits of a design, trials for slopes count, too.
+        population: Points in a generation; None takes 100 for two objectives, 40 for one, and 4 + 3
+            ln n for n numbers by CMA-ES.
+        method: `evolution`, `cma-es`, `slopes`, or `auto`: slopes where there are some.
         seed: Seed of all random numbers; another seed takes another path.
         progress: Called at the start and after every generation with the number of points tried and
             the total.
@@ -87,35 +85,25 @@ def optimize(
             was stored is lost.
         MissingExtra: If pymoo is not installed.
     """
-    n_objectives = len(optimization.objectives)
-    if population is None:
-        population = POPULATION[n_objectives]
-    check_whole_number("population", population, LEAST_POPULATION)
-    check_whole_number("budget", budget, population)
     check_whole_number("seed", seed, 0)
     if threads is not None:
         check_whole_number("threads", threads, 1)
-    low, high = optimization.box()
-    search = Search(low, high, n_objectives=n_objectives, population=population, seed=seed)
-    method: dict[str, str] = {}
-    if has_slopes(optimization):
-        slope = partial(compute_slope, optimization, threads=threads)
-        search = SlopeSearch(search, slope, low, high)
-        method = {"search": "slopes"}
+    chosen = choose_search(optimization, method, population=population, seed=seed, threads=threads)
+    check_whole_number("budget", budget, chosen.least_budget)
+    search = chosen.search
     path = None if folder is None else Path(folder)
-    settings = {"population": population, "seed": seed, **method}
-    definition = as_stored({**optimization.definition(), **settings, **package_versions()})
+    definition = as_stored({**optimization.definition(), **chosen.settings})
     checkpoint = Checkpoint(definition, len(optimization.names), path)
     with nullcontext() if path is None else owned(path, JOB, CHECKPOINT):
         checkpoint.load()
         _search(optimization, search, checkpoint, budget, progress, threads, client)
     tried = {name: column[:budget] for name, column in checkpoint.tried.items()}
-    return _front_of(optimization, tried, seed)
+    return _front_of(optimization, tried, seed, search.n_slope_trials)
 
 
 def _search(
     optimization: Optimization,
-    search: Search | SlopeSearch,
+    search: AnySearch,
     checkpoint: Checkpoint,
     budget: int,
     progress: Progress,
@@ -128,8 +116,8 @@ def _search(
     progress(min(len(remembered[POINTS]), budget), budget)
     while n_done < budget:
         generation = search.ask()
-        n_points = min(len(generation), budget - n_done)
-        if n_points == 0:
+        n_points = min(len(generation), budget - n_done - search.n_slope_trials)
+        if n_points <= 0:
             return
         end = n_done + len(generation)
         results = {name: column[n_done:end] for name, column in remembered.items()}
@@ -149,12 +137,14 @@ def _search(
             results = join_columns(results, new_results)
             progress(len(checkpoint.tried[POINTS]), budget)
         n_done += n_points
+        if n_points < len(generation):
+            return
         if n_done < budget:
             losses = compute_losses(optimization.objectives, results)
             search.tell(losses, results[VIOLATION])
 
 
-def _front_of(optimization: Optimization, tried: Columns, seed: int) -> Front:
+def _front_of(optimization: Optimization, tried: Columns, seed: int, n_slope_trials: int) -> Front:
     """Return the nondominated points of all that were tried, by the last objective."""
     feasible = tried[VIOLATION] == 0.0
     losses = compute_losses(optimization.objectives, tried)
@@ -168,4 +158,6 @@ def _front_of(optimization: Optimization, tried: Columns, seed: int) -> Front:
         n_trials=len(feasible),
         n_infeasible=int(np.sum(~feasible)),
         seed=seed,
+        refusals=count_refusals(optimization, optimization.points(tried[POINTS]), tried),
+        n_slope_trials=n_slope_trials,
     )

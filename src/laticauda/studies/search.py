@@ -35,6 +35,9 @@ class Search:
         MissingExtra: If pymoo is not installed.
     """
 
+    n_slope_trials = 0
+    """Trials that slopes cost and that count: none."""
+
     def __init__(
         self,
         low: Float[np.ndarray, " n_names"],

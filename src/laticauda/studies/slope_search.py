@@ -43,6 +43,9 @@ class SlopeSearch:
         high: Largest value of every parameter.
     """
 
+    n_slope_trials = 0
+    """Trials that slopes cost and that count: none."""
+
     def __init__(self, search: Search, slope: Slope, low: Point, high: Point) -> None:
         self._search = search
         self._slope = slope

@@ -18,6 +18,7 @@ run_figures.py      names, units and titles of these figures
 numbers.py          parameters that can be swept, by dotted name
 parameter_paths.py  steps of these names, and changing what they lead to
 joint_motion.py     the numbers among them that a gait has for every joint
+joint_use.py        how much of what it offers every joint uses, in many runs
 sensitivity.py      `compute_sensitivities`: figures and their derivatives
 derivatives.py      batches that carry derivatives
 row_derivatives.py  how a number enters a run
@@ -77,6 +78,7 @@ if TYPE_CHECKING:
     from laticauda.models.simulate.batch_run import run_batch as run_batch
     from laticauda.models.simulate.cluster import connected as connected
     from laticauda.models.simulate.batch_scenarios import runs_of as runs_of
+    from laticauda.models.simulate.joint_use import run_joint_shares as run_joint_shares
     from laticauda.models.simulate.steered_trials import (
         HasArrived as HasArrived,
         swim_side_by_side as swim_side_by_side,
@@ -108,6 +110,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.models.simulate.batch_run": ["run_batch"],
         "laticauda.models.simulate.cluster": ["connected"],
         "laticauda.models.simulate.batch_scenarios": ["runs_of"],
+        "laticauda.models.simulate.joint_use": ["run_joint_shares"],
         "laticauda.models.simulate.steered_trials": ["HasArrived", "swim_side_by_side"],
         "laticauda.models.simulate.run_table": ["RunTable", "make_run_table", "scenarios_at"],
         "laticauda.models.simulate.table_run": ["run_columns"],

@@ -5,6 +5,7 @@ need, and `compute_figures` turns these numbers into the figures of all runs at 
 """
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import NamedTuple, cast
 
 import numpy as np
@@ -265,20 +266,78 @@ def joint_peaks(runs: Sequence[Run], block: Block) -> dict[str, Figure]:
         runs: Runs of the block.
         block: Results of the runs; its log includes the joints.
     """
-    layout = runs[0].plant.layout
-    robots = [run.plant.robot for run in runs]
-    joints = sample_format.view_joints(block.log, layout.n_joints)
-    if len(robots[0].driven_joints) > robots[0].n_joints:
-        # The log holds the joint of a driven fin before the others; here it comes last.
-        fin = joints[:, :, layout.tail_link - 1 : layout.tail_link]
-        joints = np.concatenate((joints, fin), axis=2)
-    driven = joints[:, :, layout.tail_link :]
-    is_settled = [
-        feasibility.find_settled_samples(block.time, _period_of(run.command.gait)) for run in runs
-    ]
+    driven = _DrivenJoints.of(runs, block)
     with np.errstate(all="ignore"):
         return feasibility.compute_peaks(
-            robots,
+            [run.plant.robot for run in runs],
+            angle=driven.angle,
+            rate=driven.rate,
+            torque=driven.torque,
+            counts=driven.counts,
+        )
+
+
+def joint_shares(
+    runs: Sequence[Run], block: Block, n_windows: int
+) -> Float[np.ndarray, "n_windows 7 n_driven n_runs"]:
+    """Compute `feasibility.compute_joint_shares` of every run of a block, for windows of the time that counts.
+
+    Args:
+        runs: Runs of the block.
+        block: Results of the runs; its log includes the joints.
+        n_windows: Number of windows; what is largest in one of them changes smoothly with the numbers of a run,
+            unless it has two equal peaks.
+    """
+    driven = _DrivenJoints.of(runs, block)
+    robots = [run.plant.robot for run in runs]
+    # The sample before those that count would count if the gait were a little faster.
+    counts = driven.counts.copy()
+    counts[:-1] |= driven.counts[1:]
+    edges = np.linspace(0, block.time.size, n_windows + 1).astype(int)
+    shares: list[np.ndarray] = []
+    with np.errstate(all="ignore"):
+        for first, end in pairwise(edges):
+            window = slice(first, end)
+            shares.append(
+                feasibility.compute_joint_shares(
+                    robots,
+                    angle=driven.angle[window],
+                    rate=driven.rate[window],
+                    torque=driven.torque[window],
+                    counts=counts[window],
+                )
+            )
+    return np.stack(shares)
+
+
+class _DrivenJoints(NamedTuple):
+    """Logs of the driven joints of the runs of a block, by sample, joint and run."""
+
+    angle: Float[np.ndarray, "n_samples n_driven n_runs"]
+    """Angles [rad]."""
+    rate: Float[np.ndarray, "n_samples n_driven n_runs"]
+    """Rates [rad/s]."""
+    torque: Float[np.ndarray, "n_samples n_driven n_runs"]
+    """Torques [N m]."""
+    counts: Bool[np.ndarray, "n_samples n_runs"]
+    """Which samples count."""
+
+    @classmethod
+    def of(cls, runs: Sequence[Run], block: Block) -> "_DrivenJoints":
+        """Return those of a block."""
+        layout = runs[0].plant.layout
+        robot = runs[0].plant.robot
+        joints = sample_format.view_joints(block.log, layout.n_joints)
+        if len(robot.driven_joints) > robot.n_joints:
+            # The log holds the joint of a driven fin before the others; here it comes last.
+            fin = joints[:, :, layout.tail_link - 1 : layout.tail_link]
+            joints = np.concatenate((joints, fin), axis=2)
+        driven = joints[:, :, layout.tail_link :]
+        is_settled = [
+            feasibility.find_settled_samples(block.time, _period_of(run.command.gait))
+            for run in runs
+        ]
+        return cls(
             angle=driven[:, sample_format.place_of(rows.ANGLE)],
             rate=driven[:, sample_format.place_of(rows.RATE)],
             torque=driven[:, sample_format.place_of(rows.TORQUE)],

@@ -44,6 +44,15 @@ def is_cheaper(plants: Sequence[PlanarPlant], n_figures: int, n_numbers: int) ->
     """
     if n_numbers <= MOST_FORWARD or COST_BACKWARD * n_figures >= COST_FORWARD * n_numbers:
         return False
+    return can_go_backward(plants)
+
+
+def can_go_backward(plants: Sequence[PlanarPlant]) -> bool:
+    """Return whether the runs of some plants can be differentiated backward in time.
+
+    Args:
+        plants: Plants of the runs.
+    """
     different_plants = {id(plant): plant for plant in plants}
     return all(reverse.find_obstacle(plant) is None for plant in different_plants.values())
 

@@ -5,6 +5,7 @@
 - `identify`: folder and page of an identification; `identify_tables`: its tables;
   `identify_figures`: its figures; `identify_axes`: what is drawn on their axes
 - `parameter_names`: names of parameters, short enough for a figure
+- `design`: drawing of a designed robot beside the one with which a search began
 - `front`: figure of an optimization; `front_axes`: its fronts; `front_bodies`: its bodies
 """
 
@@ -24,6 +25,10 @@ if TYPE_CHECKING:
         load_templates as load_templates,
         make_writable_folder as make_writable_folder,
         write_chapter as write_chapter,
+    )
+    from laticauda.show.reports.design import (
+        draw_design_sheet as draw_design_sheet,
+        write_design_sheet as write_design_sheet,
     )
     from laticauda.show.reports.front import (
         draw_front_sheet as draw_front_sheet,
@@ -56,6 +61,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "make_writable_folder",
             "write_chapter",
         ],
+        "laticauda.show.reports.design": ["draw_design_sheet", "write_design_sheet"],
         "laticauda.show.reports.front": ["draw_front_sheet", "write_front_figure"],
         "laticauda.show.reports.identify": ["describe_identification", "write_identification"],
         "laticauda.show.reports.identify_axes": [

@@ -13,6 +13,7 @@ from laticauda.trials.feasibility.figures import (
     MOST_POSTURES as MOST_POSTURES,
     NEEDS as NEEDS,
     ROUNDING as ROUNDING,
+    compute_joint_shares as compute_joint_shares,
     compute_peaks as compute_peaks,
     count_unsettled_samples as count_unsettled_samples,
     find_settled_samples as find_settled_samples,

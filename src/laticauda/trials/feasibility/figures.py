@@ -12,6 +12,7 @@ from laticauda.trials.feasibility.actuators import Joints, Offer, driven_rate, d
 from laticauda.trials.feasibility.link_overlap import (
     find_smallest_crossing_curl,
     measure_crossing,
+    measure_fold,
     measure_neighbor_overlap,
 )
 
@@ -114,6 +115,40 @@ def compute_peaks(
         "peak_joint_torque": largest_torque.max(axis=0, initial=0.0),
         "utilization": utilization,
     }
+
+
+def compute_joint_shares(
+    robots: Sequence[Robot], angle: Joints, rate: Joints, torque: Joints, counts: Samples
+) -> Float[np.ndarray, "7 n_driven n_runs"]:
+    """Compute the shares of angle, speed, torque and room that every joint of many runs uses, to either side.
+
+    By row: angle, speed and duty to the left, the same to the right, and what of the room between its links
+    a joint of the body uses up. The largest of a run is its utilization, unless links that are no
+    neighbors come closest.
+
+    Args:
+        robots: One robot per run, in its planar form for runs in the plane.
+        angle: phi [rad].
+        rate: phi' of the driven joints, tail first, followed by that of a driven fin [rad/s].
+        torque: u [N m].
+        counts: Which samples count, see `find_settled_samples`.
+    """
+    offer = Offer.of(robots)
+    duty = duty_from_offer(offer, rate, torque)
+    demands = (
+        angle / offer.joint_limit,
+        driven_rate(rate, torque) / offer.no_load_speed,
+        duty,
+    )
+    is_counted = counts[:, np.newaxis]
+    shares = [np.max(demand * is_counted, axis=0) for demand in demands]
+    shares += [np.max(-demand * is_counted, axis=0) for demand in demands]
+    largest_angle = _largest(angle, counts)
+    fold = np.zeros_like(largest_angle)
+    for run, robot in enumerate(robots):
+        for joint in range(robot.n_joints):
+            fold[joint, run] = measure_fold(robot, joint, float(largest_angle[joint, run]))
+    return np.stack([*shares, fold])
 
 
 def _largest(values: Joints, counts: Samples) -> Float[np.ndarray, "n_joints n_runs"]:

@@ -56,10 +56,21 @@ def measure_neighbor_overlap(robot: Robot, largest_bend: Float[np.ndarray, " n_j
     """
     closest = NO_OVERLAP
     for i, bend in enumerate(largest_bend.tolist()):
-        half_size, half_length = measure_room_of_neighbors(robot, i)
-        inner_edge = half_size * math.tan(0.5 * min(bend, SHARPEST_BEND))
-        closest = max(closest, Overlap(inner_edge / half_length, i, i + 1))
+        closest = max(closest, Overlap(measure_fold(robot, i, bend), i, i + 1))
     return closest
+
+
+def measure_fold(robot: Robot, joint: int, bend: float) -> float:
+    """Return how much of the room between the two links at a joint is used up; above 1 they overlap [-].
+
+    Args:
+        robot: The robot.
+        joint: Index of the joint.
+        bend: Largest |phi| [rad].
+    """
+    half_size, half_length = measure_room_of_neighbors(robot, joint)
+    inner_edge = half_size * math.tan(0.5 * min(bend, SHARPEST_BEND))
+    return inner_edge / half_length
 
 
 def measure_room_of_neighbors(robot: Robot, joint: int) -> tuple[float, float]:
