@@ -13,7 +13,7 @@ from collections.abc import Callable
 from ctypes import CDLL, Structure, addressof, c_double, c_int64, c_void_p
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -31,7 +31,7 @@ SETTINGS_OF_COMPILER = ("NUMBA_DISABLE_JIT", "NUMBA_CPU_NAME")
 MEMORY = c_double * 0
 """Numbers of an array, of whose size the library is told; arrays that are not contiguous are refused."""
 ARGUMENTS = [c_void_p, c_void_p, c_void_p]
-"""Types of the arguments of the library's functions: the rows, what march it is (`_March`), and the log."""
+"""Types of the arguments of the library's functions: the rows, what march it is (`_MarchNumbers`), and the log."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -167,7 +167,7 @@ class LibraryKernels:
         """Advance the run in `flat`, see `stepping.run`."""
         if flat.dtype.char != "d" or log.dtype.char != "d":
             raise TypeError("Rows and log must be arrays of floats.")
-        march = (flat.size, log.shape, implicit, steps, dt, every)
+        march = _March(flat.size, log.shape, implicit, steps, dt, every)
         call = self._last_call
         # Of each robot there is one chain, whose arrays always come together.
         if (
@@ -188,7 +188,7 @@ class LibraryKernels:
         return written
 
 
-class _March(Structure):
+class _MarchNumbers(Structure):
     """What march it is, as the library takes it (`struct march` in `kernels.c`)."""
 
     _fields_ = (
@@ -201,12 +201,23 @@ class _March(Structure):
     )
 
 
+class _March(NamedTuple):
+    """What a call does with the rows, by the arguments of `stepping.run`."""
+
+    n_rows: int
+    log_shape: tuple[int, ...]
+    implicit: bool
+    steps: int
+    dt: float
+    every: int
+
+
 class _Call:
     """All arguments but rows and log, which a run with a controller repeats many times a second."""
 
     def __init__(
         self,
-        march: tuple[int, tuple[int, ...], bool, int, float, int],
+        march: _March,
         n: int,
         first_strip: np.ndarray,
         first_plate: np.ndarray,
@@ -215,25 +226,24 @@ class _Call:
         has_extras: bool,
     ) -> None:
         self.march = march
-        """Number of rows, shape of the log, whether steps are implicit, their number, dt and `every`."""
         self.first_strip = first_strip
         self.law = law
-        n_rows, (n_samples, size, _), implicit, steps, dt, every = march
+        n_samples, size, _ = march.log_shape
         arrays = [
             np.ascontiguousarray(array, np.int64) for array in (first_strip, first_plate, law)
         ]
         addresses = [_address(array) for array in arrays]
         sizes = [array.size for array in arrays]
-        numbers = _March(
+        numbers = _MarchNumbers(
             *(n, tail_link, has_extras),
             *addresses,
             *sizes,
-            *(implicit, steps, every, dt),
-            *(n_rows, n_samples, size),
+            *(march.implicit, march.steps, march.every, march.dt),
+            *(march.n_rows, n_samples, size),
         )
         self._kept_alive = arrays, numbers  # the library has their addresses
         self.address = addressof(numbers)
-        """Address of the `_March`."""
+        """Address of the `_MarchNumbers`."""
 
 
 def _address(array: np.ndarray) -> int:

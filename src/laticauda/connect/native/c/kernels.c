@@ -10,7 +10,7 @@
 
 #define EXPORT __attribute__((visibility("default")))
 
-/* A march of one chain of bodies, apart from its state and its log; the same fields are in `_March` of
+/* A march of one chain of bodies, apart from its state and its log; the same fields are in `_MarchNumbers` of
    kernel_library.py. */
 struct march {
     int64_t n, tail_link, has_extras;
