@@ -355,7 +355,14 @@ def test_bad_input_is_refused_by_name():
         r"numbers for `eel_like`|got 'eel_like.water.normal_drag'",
         parameters=["eel_like.water.normal_drag"],
     )
-    refused(r"must not be of the gait, which was commanded", parameters=["gait.amplitude"])
+    refused(
+        r"must not be of the gait, which was commanded.*`gait.amplitude\[4\]`, `gait.phase\[2\]`",
+        parameters=["gait.amplitude"],
+    )
+    refused(
+        r"items of `gait.amplitude` count from 0|must name numbers of the measurements'",
+        parameters=["gait.amplitude[8]"],
+    )
     refused(r"got `robot.n_links`, a count", parameters=["robot.n_links"])
     refused(
         r"`parameters` must name every number once, got `water.normal_drag` 2 times",

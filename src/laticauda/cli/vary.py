@@ -14,8 +14,8 @@ from laticauda import studies
 from laticauda.cli import command, scene
 from laticauda.cli.shared_options import threads_option
 from laticauda.cli.tables import MISSING, align_columns, format_table, parse_numbers
-from laticauda.models.simulate import Parameter, joint_motion, suggest_names
-from laticauda.models.simulate.numbers import list_parameters
+from laticauda.models.simulate import Parameter, joint_motion, suggest_names, tapers
+from laticauda.models.simulate.numbers import ScenarioParameters, list_parameters
 from laticauda.models.simulate.parameter_paths import list_brackets, strip_items
 from laticauda.scenarios import Scenario
 from laticauda.studies import LABELS, attributes_of
@@ -198,13 +198,19 @@ def _find_parameter(
 ) -> TypedParameter:
     """Return the parameter of a name; reject a parameter that was named before."""
     typed_name = name.replace("_", "-")
-    typed = _match_name(typed_name, parameters) or _match_name_of_parts(typed_name, parameters)
+    typed = (
+        _match_name(typed_name, parameters)
+        or _match_name_of_parts(typed_name, parameters)
+        or _match_name(typed_name, _list_tapers(parameters))
+    )
     if typed is not None:
         if typed.parameter.name in named_before:
             raise BadArgument("vary", f"must name each parameter only once, got {name!r} again")
         return typed
     typed_names = [spell_parameter(parameter) for parameter in parameters.values()]
     hint = suggest_names(typed_name, typed_names)
+    if isinstance(parameters, ScenarioParameters):
+        hint = parameters.explain_items(name) or hint
     rule = "must name a parameter of robot, gait or water"
     raise BadArgument("vary", f"{rule}, got {name!r}{hint} (--names lists all)")
 
@@ -231,6 +237,18 @@ def _match_name_of_parts(typed_name: str, parameters: Parameters) -> TypedParame
     if name not in parameters:
         return None
     return TypedParameter(parameters[name], typed.factor)
+
+
+def _list_tapers(parameters: Parameters) -> dict[str, Parameter]:
+    """Return the numbers of all tapers along the body, which are not listed themselves."""
+    found: dict[str, Parameter] = {}
+    for parameter in parameters.values():
+        quantity = parameter.name.removeprefix("robot.module.")
+        for number in tapers.TITLES:
+            name = f"robot.{tapers.TAPER}.{quantity}.{number}"
+            if name in parameters:
+                found[name] = parameters[name]
+    return found
 
 
 def _accepted_names(parameter: Parameter) -> dict[str, float]:

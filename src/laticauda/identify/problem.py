@@ -19,6 +19,7 @@ from laticauda.identify.resolving import (
     NumberedScenario,
     ScopedName,
     body_key,
+    is_of_gait,
     list_numbers,
     resolve,
     split_name,
@@ -242,12 +243,15 @@ class Problem:
         scenarios: list[Scenario] = []
         for i, stated in enumerate(self.scenarios):
             numbers = self._simulated_numbers(i, values)
+            numbers_of_gait = {
+                name: numbers.pop(name) for name in list(numbers) if is_of_gait(name)
+            }
             key = (*body_key(stated), *numbers.items())
             if key not in changed_scenarios:
                 changed_scenarios[key] = change_parameters(stated, numbers)
             scenario = replace(
                 changed_scenarios[key],
-                motion=stated.motion,
+                motion=change_parameters(stated, numbers_of_gait).motion,
                 start=self._start_of_trial(i, values),
                 duration=stated.duration,
             )
@@ -255,7 +259,7 @@ class Problem:
         return tuple(scenarios)
 
     def _simulated_numbers(self, i: int, values: np.ndarray) -> dict[str, float]:
-        """Return the values of the numbers of robot and environment of measurement i."""
+        """Return the values of the numbers of robot, environment and gait of measurement i."""
         scenario = self.scenarios[i]
         numbers: dict[str, float] = {}
         for k in np.flatnonzero(self.depends_on[i]):

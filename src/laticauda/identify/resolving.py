@@ -166,12 +166,22 @@ def resolve(
     )
 
 
+def is_of_gait(name: str) -> bool:
+    """Return whether a number is one of the gait.
+
+    Args:
+        name: Name of the number, without its scope.
+    """
+    return name.startswith("gait.")
+
+
 def _check_can_vary(unknown: Unknown, parameter: Parameter) -> None:
-    """Reject numbers of the commanded gait, and counts."""
-    if parameter.name.startswith("gait."):
+    """Reject numbers of the commanded gait as a whole, and counts."""
+    if is_of_gait(parameter.name) and "[" not in parameter.name:
         rule = f"must not be of the gait, which was commanded, got `{unknown.name}`"
         hint = "how the joints follow it depends on `robot.joint.actuator`"
-        raise BadArgument("parameters", f"{rule}; {hint}")
+        of_joints = "single joints may move otherwise: `gait.amplitude[4]`, `gait.phase[2]`"
+        raise BadArgument("parameters", f"{rule}; {hint}, and {of_joints}")
     if parameter.is_whole:
         rule = f"must be numbers that can vary slightly, got `{unknown.name}`, a count"
         raise BadArgument("parameters", rule)

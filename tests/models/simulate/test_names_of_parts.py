@@ -9,7 +9,12 @@ import pytest
 import laticauda as lc
 from laticauda.cli.vary import RANGE_FORM, parse_grid, parse_ranges
 from laticauda.models.simulate import compute_sensitivities, list_parameters, swim_many
-from laticauda.models.simulate.numbers import change_parameters, look_up, value_of
+from laticauda.models.simulate.numbers import (
+    change_parameters,
+    check_disjoint,
+    look_up,
+    value_of,
+)
 from laticauda.models.simulate.run_table import check_columns
 from laticauda.models.simulate.table_run import run_columns
 from laticauda.studies import Grid, Optimization, Sweep
@@ -19,6 +24,7 @@ GAIT = lc.eel_like(amplitude=0.5, frequency=6.0, phase_shift=0.7)
 SCENARIO = lc.build_scenario("mamba", GAIT, duration=2.0, dt=0.01)
 KNOWN = list_parameters(SCENARIO)
 N = SCENARIO.robot.n_links
+ENDS = ("tail", "head", "bulge")
 
 
 def test_every_part_has_a_name_without_being_listed():
@@ -117,6 +123,76 @@ def test_the_slope_to_a_range_is_the_sum_of_those_to_its_parts():
     result = compute_sensitivities([SCENARIO], names=names, figures=["forward_velocity"])
     whole, *parts = result.jacobian[0, 0].tolist()
     assert whole == pytest.approx(sum(parts), rel=1e-9)
+
+
+# ---- tapers along the body ---------------------------------------------------------------------
+
+
+def lengths_after(**numbers):
+    changes = {f"robot.taper.length.{name}": value for name, value in numbers.items()}
+    changed = change_parameters(SCENARIO, changes)
+    assert {name: value_of(name, changed) for name in changes} == pytest.approx(changes)
+    return np.array([module.length for module in changed.robot.modules])
+
+
+def test_three_numbers_taper_all_modules():
+    before = np.array([module.length for module in SCENARIO.robot.modules])
+    along = np.linspace(0.0, 1.0, N)
+    np.testing.assert_allclose(
+        lengths_after(tail=0.05, head=0.13) - before,
+        (0.05 - before[0]) * (1.0 - along) + (0.13 - before[-1]) * along,
+        atol=1e-12,
+    )
+    bulge = value_of("robot.taper.length.bulge", SCENARIO)
+    added = lengths_after(bulge=bulge + 0.02) - before
+    np.testing.assert_allclose(added, 0.02 * 4.0 * along * (1.0 - along), atol=1e-12)
+    assert KNOWN["robot.taper.length.head"].unit == "m"
+    assert "robot.taper.length.head" not in set(KNOWN)
+
+
+def test_a_taper_of_no_quantity_or_number_is_refused_with_the_choices():
+    rule = r"a taper is `robot.taper.`, then length or mass or .*, then .tail or head or bulge"
+    for name in ("robot.taper.size.head", "robot.taper.mass.nose", "robot.taper.mass"):
+        assert name not in KNOWN
+        with pytest.raises(ValueError, match=rule):
+            look_up(name, KNOWN)
+        with pytest.raises(ValueError, match=rule):
+            parse_grid([f"{name}=1"], KNOWN)
+    with pytest.raises(
+        ValueError, match=r"`robot.taper` must be of a quantity .*: `length`, `mass`"
+    ):
+        change_parameters(SCENARIO, {"robot.taper.size.head": 1.0})
+    with pytest.raises(ValueError, match=r"`mass` must be > 0 kg"):
+        change_parameters(SCENARIO, {"robot.taper.mass.head": -1.0})
+
+
+def test_a_taper_shares_its_numbers_with_the_modules():
+    check_disjoint(["robot.taper.mass.tail", "robot.taper.mass.head", "robot.taper.length.tail"])
+    for other in ("robot.module.mass", "robot.module[3].mass"):
+        with pytest.raises(ValueError, match="must name each number once"):
+            check_disjoint([other, "robot.taper.mass.tail"])
+
+
+def test_tapers_are_options_columns_and_slopes():
+    options = ["robot.taper.length.head=0.1,0.12", "robot.taper.section.half-width.tail=0.03"]
+    grid = parse_grid(options, KNOWN)
+    assert list(grid.values) == ["robot.taper.length.head", "robot.taper.section.half_width.tail"]
+    bounds = {"robot.taper.length.tail": (0.05, 0.1), "robot.taper.mass.bulge": (-0.1, 0.1)}
+    optimization = Optimization(scenario=SCENARIO, bounds=bounds, objectives=("forward_velocity",))
+    assert optimization.names == tuple(bounds)
+    names = [
+        f"robot.taper.{quantity}.{number}"
+        for quantity in ("mass", "length", "section.half_width")
+        for number in ENDS
+    ]
+    result = compute_sensitivities([SCENARIO], names=names, figures=["forward_velocity"])
+    for column, name in enumerate(names):
+        value = value_of(name, SCENARIO)
+        step = 1e-4 * max(abs(value), 0.1)
+        columns = {name: [value - step, value + step]}
+        low, high = swim_many(SCENARIO, columns=columns).forward_velocity
+        slope = (high - low) / (2.0 * step)
+        assert result.jacobian[0, 0, column] == pytest.approx(slope, rel=1e-6, abs=1e-8), name
 
 
 # ---- gaits with numbers of their own for every joint --------------------------------------------

@@ -18,6 +18,7 @@ run_figures.py      names, units and titles of these figures
 numbers.py          parameters that can be swept, by dotted name
 parameter_paths.py  steps of these names, and changing what they lead to
 joint_motion.py     the numbers among them that a gait has for every joint
+tapers.py           those of tapers along the body
 joint_use.py        how much of what it offers every joint uses, in many runs
 sensitivity.py      `compute_sensitivities`: figures and their derivatives
 derivatives.py      batches that carry derivatives

@@ -4,7 +4,8 @@ A name is the path to the field: `gait.amplitude`, `water.normal_drag`, `robot.c
 The singular of a plural field addresses all of its items alike: `robot.module.mass`,
 `robot.joint.actuator.servo_gain`. Brackets select some of them, counted from 0 at the tail, in
 ranges as in Python: `robot.module[3].mass`, `robot.module[:5].mass`, `robot.joint[::2].stiffness`,
-and `gait.amplitude[4]`, `gait.phase[2]` of the joints in a gait (`joint_motion`).
+and `gait.amplitude[4]`, `gait.phase[2]` of the joints in a gait (`joint_motion`). All modules
+together have tapers: `robot.taper.mass.tail`, `.head` and `.bulge` (`tapers`).
 A pair of numbers is two parameters: `water.current_x`, `water.current_y`; a flow has each of its
 numbers: `water.current.height`, and a sum of flows those of each flow:
 `water.current.flow[0].height`. `robot.n_links` is the number of links; `joints` has the numbers of
@@ -19,7 +20,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from laticauda.models.simulate import joint_motion
+from laticauda.models.simulate import joint_motion, tapers
 from laticauda.models.simulate.parameter_paths import (
     AXIS_ENDINGS,
     COUNT_TYPES,
@@ -128,6 +129,10 @@ class ScenarioParameters(Mapping[str, Parameter]):
         Args:
             name: Name that is not known.
         """
+        if name.startswith(f"robot.{tapers.TAPER}."):
+            quantities = " or ".join(tapers.list_quantities(self._scenario.robot))
+            numbers = " or ".join(tapers.TITLES)
+            return f"; a taper is `robot.taper.`, then {quantities}, then .{numbers}"
         plain = strip_items(name)
         if plain == name or plain not in self._listed:
             return ""
@@ -174,11 +179,16 @@ def list_parameters(scenario: Scenario, *, each: bool = False) -> ScenarioParame
 
 
 def _find_of_parts(scenario: Scenario, name: object) -> Parameter | None:
-    """Return the parameter of a name with brackets; None if there is none."""
-    if not isinstance(name, str) or "[" not in name:
+    """Return the parameter of a taper or of a name with brackets; None if there is none."""
+    if not isinstance(name, str):
         return None
     prefix, _, last = name.rpartition(".")
     root, *steps = prefix.split(".")
+    taper = tapers.find_taper(name)
+    if taper is not None:
+        return _find_taper(scenario.robot, name, taper)
+    if "[" not in name:
+        return None
     if prefix == "gait" and joint_motion.is_of_joints(last):
         return _find_of_joints(scenario, last)
     owners: list[Any] = [_root_object(scenario, root)]
@@ -195,6 +205,19 @@ def _find_of_parts(scenario: Scenario, name: object) -> Parameter | None:
             return None
         found.append(numbers[name])
     return found[0] if found else None
+
+
+def _find_taper(robot: Robot, name: str, taper: tapers.TaperNumber) -> Parameter | None:
+    """Return the parameter of a taper; None if the robot has none."""
+    if taper.quantity not in tapers.list_quantities(robot):
+        return None
+    if len(robot.modules) < tapers.LEAST_MODULES[taper.number]:
+        return None
+    for parameter in _numbers_in(robot.modules[0], "robot.module"):
+        if parameter.name == f"robot.module.{taper.quantity}":
+            title = f"{parameter.title}, {tapers.TITLES[taper.number]}"
+            return replace(parameter, name=name, title=title)
+    return None
 
 
 def _find_of_joints(scenario: Scenario, step: str) -> Parameter | None:
@@ -225,12 +248,28 @@ def check_disjoint(names: Collection[str], argument: str = "points") -> None:
     """
     by_plain_name: dict[str, list[str]] = {}
     for name in names:
-        names_of_parts = by_plain_name.setdefault(strip_items(name), [])
+        names_of_parts = by_plain_name.setdefault(_plain_name(name), [])
         for earlier_name in names_of_parts:
-            if have_common_items(name, earlier_name):
+            if _are_of_common_numbers(name, earlier_name):
                 rule = "must name each number once"
                 raise BadArgument(argument, f"{rule}, got `{earlier_name}` and `{name}`")
         names_of_parts.append(name)
+
+
+def _plain_name(name: str) -> str:
+    """Return the name of the same number of all parts: that of all modules for a taper."""
+    taper = tapers.find_taper(name)
+    if taper is not None:
+        return f"robot.module.{taper.quantity}"
+    return strip_items(name)
+
+
+def _are_of_common_numbers(name: str, other: str) -> bool:
+    """Return whether two names of one number of parts are partly about the same parts."""
+    are_tapers = [tapers.find_taper(parameter) is not None for parameter in (name, other)]
+    if all(are_tapers):
+        return name == other
+    return any(are_tapers) or have_common_items(name, other)
 
 
 def _numbers_of_controller(motion: Motion) -> Iterator[Parameter]:
@@ -335,6 +374,8 @@ def change_parameters(scenario: Scenario, values: Mapping[str, float]) -> Scenar
     robot_changes = dict(changes.get("robot", {}))
     if "n_links" in robot_changes:
         robot = robot.with_links(int(robot_changes.pop("n_links")))
+    if tapers.TAPER in robot_changes:
+        robot = tapers.change_tapers(robot, robot_changes.pop(tapers.TAPER))
     motion = apply_changes(scenario.motion, changes.get("controller", {}))
     if "gait" in changes:
         motion = _with_gait(motion, _change_gait(scenario.gait, changes["gait"], robot))
@@ -391,6 +432,9 @@ def value_of(name: str, scenario: Scenario, argument: str = "names") -> float:
     if root == "gait" and joint_motion.is_of_joints(steps[-1]):
         values = joint_motion.list_values(scenario.gait, steps[-1], scenario.robot)
         steps = []
+    taper = tapers.find_taper(name)
+    if taper is not None:
+        return tapers.value_of_taper(scenario.robot, taper)
     for step in steps:
         values = _objects_after(values, step)
     # A coefficient of a module or fin that is None takes the water's value.
