@@ -72,6 +72,10 @@ FORMATS = ("nc", "mcap", "parquet", "mat", "csv")
 """Endings of files of trials."""
 
 
+ANIMAT = Path(__file__).parents[2] / "tests" / "data" / "farms" / "eel.sdf"
+"""Bodies of an animat of FARMS."""
+
+
 def fill_pantry(folder: Path) -> None:
     """Write the good files that take no time.
 
@@ -98,6 +102,8 @@ def fill_pantry(folder: Path) -> None:
     (folder / "flow.toml").write_text(FLOW)
     source = Path(lc.__file__).parent / "robot" / "presets" / "parameters"
     shutil.copy(source / "mamba-identified.toml", folder / "parameters.toml")
+    shutil.copy(ANIMAT, folder / "test_eel.sdf")
+    (folder / "animat.yaml").write_text("sdf: test_eel.sdf\n")
     write_example(folder)
 
 

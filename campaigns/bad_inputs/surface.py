@@ -71,6 +71,10 @@ RUNS: Mapping[str, tuple[str, ...]] = {
     "export fmu": ("export fmu --output new.fmu",),
     "export c": ("export c --output new.h",),
     "export web": ("export web --output page",),
+    "import farms": (
+        "import farms animat.yaml --output new.toml",
+        "import farms test_eel.sdf --head skull",
+    ),
     "tags": ("tags --robot mamba --output new.pdf",),
     "lens": ("lens glide.mp4 --columns 9 --rows 6 --square 0.025 --output new.toml",),
     "camera": ("camera glide.mp4 --tags tags.toml --height 0.1 --output new.toml",),
