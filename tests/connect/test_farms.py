@@ -5,6 +5,7 @@ The eel of data/farms was made up for these tests, once as SDF and once, by hand
 
 import json
 import math
+import re
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -483,6 +484,20 @@ def test_a_wrong_sdf_file_is_refused_with_one_sentence(tmp_path: Path, text: str
     with pytest.raises(RobotFileError) as refusal:
         load_farms(file)
     assert str(refusal.value) == f"{file}: {message}"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"drive": (1.0, 2.0, 3.0)}, "`drive` must be one number, or (left, right), got"),
+        ({"drive": math.nan}, "`drive` must be a finite number, got nan"),
+        ({"morphology": EEL}, "`morphology` must not be given with eel.sdf, which is one itself"),
+        ({"head": "snout"}, "it has no link `snout` for the head; its links are skull, trunk_1"),
+    ],
+)
+def test_a_wrong_argument_is_refused_by_its_name(arguments: dict[str, Any], message: str):
+    with pytest.raises(ValueError, match=re.escape(message)):
+        load_farms(EEL, **arguments)
 
 
 def test_a_file_of_another_kind_is_refused(tmp_path: Path):

@@ -9,7 +9,7 @@ from laticauda.connect.farms.entries import Entry, read_entries
 from laticauda.connect.farms.mjcf import read_mjcf
 from laticauda.connect.farms.network_file import Drives
 from laticauda.connect.farms.sdf import read_sdf
-from laticauda.values import RobotFileError, check_finite
+from laticauda.values import BadArgument, RobotFileError, check_finite
 
 ANIMAT_ENDINGS = (".yaml", ".yml")
 """Endings of the files that describe an animat."""
@@ -39,6 +39,9 @@ def load_farms(
     drives = _check_drives(drive)
     ending = path.suffix.lower()
     if ending in MORPHOLOGY_ENDINGS:
+        if morphology is not None:
+            rule = f"must not be given with {path.name}, which is one itself"
+            raise BadArgument("morphology", rule)
         nothing = Entry(path, "", {})
         return Assembly(
             _read_morphology(path),
@@ -68,6 +71,8 @@ def _check_drives(drive: float | tuple[float, float] | None) -> Drives | None:
         return None
     if not isinstance(drive, tuple):
         drive = (drive, drive)
+    if len(drive) != 2:
+        raise BadArgument("drive", f"must be one number, or (left, right), got {drive}")
     left, right = drive
     return Drives(left=check_finite("drive", left), right=check_finite("drive", right))
 
