@@ -25,6 +25,7 @@ from laticauda.cli.shared_options import (
 )
 from laticauda.cli.tables import wrap_rows
 from laticauda.missions import (
+    N_WORST,
     CampaignSummary,
     Conditions,
     MergedCampaign,
@@ -43,7 +44,6 @@ from laticauda.missions import (
     run_mission,
     summarize_campaign,
 )
-from laticauda.missions.campaign import N_WORST
 from laticauda.models.simulate import connected
 from laticauda.scenarios import MODELS, Model, Planar, Scenario
 from laticauda.show.figures import save_figure

@@ -48,6 +48,7 @@ if TYPE_CHECKING:
         merge_campaign as merge_campaign,
         run_campaign as run_campaign,
         summarize_campaign as summarize_campaign,
+        N_WORST as N_WORST,
     )
     from laticauda.missions.campaign_table import MissionRow as MissionRow
     from laticauda.missions.depth import DepthKeeping as DepthKeeping
@@ -146,4 +147,5 @@ __getattr__, __dir__, __all__ = lazy_exports(
         ],
         "laticauda.missions.steering": ["Helm", "Steering"],
     },
+    plain={"laticauda.missions.campaign": ["N_WORST"]},
 )

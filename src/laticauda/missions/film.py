@@ -21,8 +21,7 @@ from laticauda.missions.film_frame import (
 from laticauda.missions.film_water import WaterArrows, describe_water
 from laticauda.missions.running import MissionResult, mission_of
 from laticauda.missions.sensed import find_pings, list_failures
-from laticauda.show.figures import Film, style
-from laticauda.show.figures.posture import draw_posture, outline
+from laticauda.show.figures import Film, draw_posture, outline, style
 from laticauda.values import check_positive
 
 FILM_DURATION = 20.0

@@ -13,8 +13,7 @@ from matplotlib.axes import Axes
 
 from laticauda.robot import Environment, Water
 from laticauda.values import name_of
-from laticauda.water.fluid import Flow, arrows_of
-from laticauda.water.fluid.waves import Waves
+from laticauda.water.fluid import Flow, Waves, arrows_of
 
 N_TIMES = 50
 """Moments of a run at which it is asked how fast the water moves, for the scale of arrows."""

@@ -26,11 +26,11 @@ if TYPE_CHECKING:
         Pipeline as Pipeline,
         Place as Place,
         Seabed as Seabed,
-        ShapeKind as ShapeKind,
         Solid as Solid,
-        Three as Three,
         Wall as Wall,
         Outline as Outline,
+        ShapeKind as ShapeKind,
+        Three as Three,
         surroundings_of as surroundings_of,
     )
     from laticauda.sensing.sensors import (

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
         outlines_of as outlines_of,
         places_of as places_of,
     )
+    from laticauda.show.figures.posture import draw_posture as draw_posture, outline as outline
     from laticauda.show.figures.several import plot_overlay as plot_overlay
     from laticauda.show.figures.sweep import sweep_sheet as sweep_sheet
     from laticauda.show.figures.style import (
@@ -50,6 +51,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.show.figures.film": ["Film", "swim_film"],
         "laticauda.show.figures.path": ["path_extent", "path_strip"],
         "laticauda.show.figures.places": ["draw_places", "outlines_of", "places_of"],
+        "laticauda.show.figures.posture": ["draw_posture", "outline"],
         "laticauda.show.figures.several": ["plot_overlay"],
         "laticauda.show.figures.sweep": ["sweep_sheet"],
         "laticauda.show.figures.style": [

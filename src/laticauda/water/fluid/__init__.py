@@ -32,6 +32,7 @@ if TYPE_CHECKING:
         surface_elevation as surface_elevation,
     )
     from laticauda.water.fluid.wake import Wake as Wake, find_circulation as find_circulation
+    from laticauda.water.fluid.waves import Waves as Waves
 
 __getattr__, __dir__, __all__ = lazy_exports(
     __name__,
@@ -60,5 +61,6 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "surface_elevation",
         ],
         "laticauda.water.fluid.wake": ["Wake", "find_circulation"],
+        "laticauda.water.fluid.waves": ["Waves"],
     },
 )
