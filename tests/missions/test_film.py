@@ -10,6 +10,7 @@ from laticauda.missions import (
     Conditions,
     change_scenario,
     draw_conditions,
+    draw_phases,
     film_mission,
     load_mission,
     run_mission,
@@ -86,3 +87,16 @@ def test_pictures_fall_on_samples_and_the_last_one_stays(film, result):
 def test_a_film_lasts_about_twenty_seconds_unless_its_speed_is_given(result):
     film = film_mission(result, frames_per_second=5.0)
     assert len(film._moments) == 100 + 2 * 5
+
+
+def test_a_diagram_names_every_reason_inside_its_picture():
+    figure = draw_phases(load_mission("net-inspection").motion)
+    (ax,) = figure.axes
+    figure.canvas.draw()
+    reasons = {text.get_text() for text in ax.texts}
+    assert "done\nor longer than 60 s" in reasons
+    assert "sonar silent\nfor 3 s" in reasons
+    left, right = figure.bbox.x0, figure.bbox.x1
+    for text in ax.texts:
+        box = text.get_window_extent()
+        assert left <= box.x0 and box.x1 <= right, text.get_text()

@@ -1,6 +1,7 @@
 """Pictures of missions: the table as a diagram of phases, and a run as a map."""
 
 import math
+import textwrap
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,20 @@ HALF_BOX = 0.75
 """Half the width of a phase in a diagram."""
 HALF_HEIGHT = 0.24
 """Half its height, in rows."""
+UNIT = 0.66
+"""Length of a unit across a diagram [in]."""
+ROW = 0.78
+"""Height of a row of a diagram [in]."""
+ROOM_LEFT = 1.15
+"""Room for reasons to the left of all ways."""
+ROOM_RIGHT = 1.2
+"""Room for reasons to the right of all ways."""
+LEAST_RIGHT = 2.8
+"""Room to the right of the middle at least."""
+REASON_WIDTH = 14
+"""Characters of a line of the reasons beside a way past other phases."""
+REASON_SIZE = 7
+"""Size of reasons [pt]."""
 ARC_STEP = 0.7
 """Distance of the ways past other phases from each other."""
 PHASE_COLORS = ("#0072B2", "#D55E00", "#009E73", "#E69F00", "#CC79A7", "#56B4E9", "#8A8A8A")
@@ -43,20 +58,27 @@ def draw_phases(mission: Mission) -> Figure:
         mission: The mission.
     """
     names = mission.phase_names
-    figure, (panel,) = new_panels(height=0.75 * len(names) + 0.4)
+    ways = sorted(_merge_ways(mission.ways), key=_rows_passed)
+    n_arcs = {1: 0, -1: 0}
+    for way, _ in ways:
+        if way.after != way.before + 1:
+            n_arcs[_side_of(way)] += 1
+    left = -(HALF_BOX + ARC_STEP * n_arcs[-1] + ROOM_LEFT)
+    right = max(HALF_BOX + ARC_STEP * n_arcs[1] + ROOM_RIGHT, LEAST_RIGHT)
+    figure, (panel,) = new_panels(width=UNIT * (right - left), height=ROW * len(names))
     ax: Any = panel
     for row, name in enumerate(names):
         behaviour = type(mission.phases[row].behaviour)
         _draw_box(ax, row, name, name_of(behaviour))
-    n_arcs = {1: 0, -1: 0}
-    for way, reasons in sorted(_merge_ways(mission.ways), key=_rows_passed):
+    n_drawn = {1: 0, -1: 0}
+    for way, reasons in ways:
         if way.after == way.before + 1:
             _draw_step(ax, way, reasons)
             continue
-        side = int(math.copysign(1, way.after - way.before))
-        _draw_arc(ax, way, reasons, x=side * (HALF_BOX + ARC_STEP * (1 + n_arcs[side])))
-        n_arcs[side] += 1
-    ax.set_xlim(-4.5, 6.5)
+        side = _side_of(way)
+        n_drawn[side] += 1
+        _draw_arc(ax, way, reasons, x=side * (HALF_BOX + ARC_STEP * n_drawn[side]))
+    ax.set_xlim(left, right)
     ax.set_ylim(len(names) - 0.5, -0.5)
     ax.set_axis_off()
     return figure
@@ -69,8 +91,13 @@ def _merge_ways(ways: tuple[Way, ...]) -> list[tuple[Way, str]]:
         reasons.setdefault((way.before, way.after), []).append(way.reason)
     merged: list[tuple[Way, str]] = []
     for (before, after), words in reasons.items():
-        merged.append((Way(before, after, ""), "\n".join(words)))
+        merged.append((Way(before, after, ""), "\nor ".join(words)))
     return merged
+
+
+def _side_of(way: Way) -> int:
+    """Return on which side a way past other phases is drawn: 1 for the right, by which one goes on; -1 for the left."""
+    return int(math.copysign(1, way.after - way.before))
 
 
 def _rows_passed(way_and_reasons: tuple[Way, str]) -> int:
@@ -92,7 +119,14 @@ def _draw_box(ax: Any, row: int, name: str, behaviour: str) -> None:
     ax.add_patch(box)
     ax.text(0.0, row - 0.07, name, ha="center", va="center", fontsize=style.LABEL, zorder=4)
     ax.text(
-        0.0, row + 0.12, behaviour, ha="center", va="center", fontsize=6, color=style.GRAY, zorder=4
+        0.0,
+        row + 0.12,
+        behaviour,
+        ha="center",
+        va="center",
+        fontsize=REASON_SIZE,
+        color=style.GRAY,
+        zorder=4,
     )
 
 
@@ -114,7 +148,10 @@ def _draw_arc(ax: Any, way: Way, reasons: str, *, x: float) -> None:
     end = side * HALF_BOX, way.after - lower
     ax.add_patch(_arrow((begin, (x, begin[1]), (x, end[1]), end)))
     align = "left" if side > 0.0 else "right"
-    _write_reasons(ax, x + 0.06 * side, way.before + 0.45 * down, reasons, align=align)
+    lines: list[str] = []
+    for reason in reasons.splitlines():
+        lines += textwrap.wrap(reason, REASON_WIDTH)
+    _write_reasons(ax, x + 0.06 * side, way.before + 0.5 * down, "\n".join(lines), align=align)
 
 
 def _write_reasons(ax: Any, x: float, y: float, reasons: str, *, align: str) -> None:
@@ -125,7 +162,7 @@ def _write_reasons(ax: Any, x: float, y: float, reasons: str, *, align: str) -> 
         reasons,
         ha=align,
         va="center",
-        fontsize=6,
+        fontsize=REASON_SIZE,
         linespacing=1.1,
         zorder=5,
         bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5},
