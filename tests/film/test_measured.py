@@ -31,6 +31,12 @@ def glide_of(robot, water, seed):
     return film, fit_chain(film.points, robot, places_at(film.along))
 
 
+@pytest.fixture(scope="module")
+def usual_glide():
+    robot = lc.load_robot("amphibot")
+    return glide_of(robot, textbook_of(robot), 0)
+
+
 def test_a_glide_gives_the_friction_with_the_truth_in_its_interval():
     robot = lc.load_robot("amphibot")
     known = textbook_of(robot)
@@ -48,10 +54,10 @@ def test_a_glide_gives_the_friction_with_the_truth_in_its_interval():
     assert inside == 3
 
 
-def test_water_that_a_glide_identified_goes_into_the_forces_of_a_swim():
+def test_water_that_a_glide_identified_goes_into_the_forces_of_a_swim(usual_glide):
     robot = lc.load_robot("amphibot")
     known = textbook_of(robot)
-    _, glide = glide_of(robot, known, 0)
+    _, glide = usual_glide
     found = identify(
         [measure_glide(glide, known)], parameters=["water.tangential_friction"], n_starts=1
     )
@@ -65,10 +71,9 @@ def test_water_that_a_glide_identified_goes_into_the_forces_of_a_swim():
     assert left.high - left.low < 0.3 * (wide.high - wide.low)
 
 
-def test_a_glide_says_how_sure_it_is():
-    robot = lc.load_robot("amphibot")
-    film, fit = glide_of(robot, textbook_of(robot), 0)
-    measured = measure_glide(fit, textbook_of(robot))
+def test_a_glide_says_how_sure_it_is(usual_glide):
+    film, fit = usual_glide
+    measured = measure_glide(fit, textbook_of(lc.load_robot("amphibot")))
     path, deviation = measured.series["center_of_mass"]
     truth = np.array(
         [

@@ -394,7 +394,7 @@ def test_drag_never_feeds_energy_to_the_robot(p: Problem):
 unchecked = SimpleNamespace(**runpy.run_path(eq.__file__))
 
 
-def drift(p: Problem, duration: float = 10.0) -> tuple[float, float]:
+def drift(p: Problem, duration: float = 3.0) -> tuple[float, float]:
     """Largest change of the energy [J] and of the momenta over a free run."""
     n, none = len(p.theta), np.zeros(len(p.theta) - 1)
 

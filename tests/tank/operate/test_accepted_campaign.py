@@ -19,8 +19,9 @@ def accepted(monkeypatch: pytest.MonkeyPatch):
     ("fault", "by"), [("jammed joint", "joint_error"), ("wrong body", "marker_jump")]
 )
 def test_a_run_with_something_wrong_is_rejected_and_its_verdict_says_by_what(
-    accepted, fault: str, by: str
+    accepted, fault: str, by: str, monkeypatch: pytest.MonkeyPatch
 ):
+    monkeypatch.setattr(accepted, "DURATION", 17.0)  # both faults begin within 11 s
     row = accepted.run_one(fault, 0)
     assert (row.outcome, row.by) == ("rejected", by)
     assert 0.0 <= row.after <= 15.0
