@@ -21,9 +21,17 @@ DESK, PHONE = {"width": 1366, "height": 768}, {"width": 390, "height": 844}
 
 
 @pytest.fixture(scope="module")
-def chromium():
+def launched():
     with browser() as found:
         yield found
+
+
+@pytest.fixture
+def chromium(launched):
+    """The browser, whose pages are closed after each test: they would swim on."""
+    yield launched
+    for context in launched.contexts:
+        context.close()
 
 
 @pytest.fixture(scope="module")
