@@ -13,6 +13,7 @@ from laticauda.film.tracking import follow_points
 from laticauda.robot import textbook_of
 
 GAIT = lc.eel_like(amplitude=0.5, frequency=12.0, phase_shift=0.65)
+N_DRAWS = 40
 
 
 @pytest.fixture(scope="module")
@@ -28,12 +29,20 @@ def film(eel):
 def swim(film, robot, along=None, **changes):
     points = replace(film.points, **changes)
     chosen = film.along if along is None else along
-    return invert_points(points, robot, chosen, water=textbook_of(robot), n_draws=40)
+    return invert_points(points, robot, chosen, water=textbook_of(robot), n_draws=N_DRAWS)
 
 
 @pytest.fixture(scope="module")
-def usual(film, eel):
-    return swim(film, eel)
+def shares():
+    """What is done of the usual swim, told again and again."""
+    return []
+
+
+@pytest.fixture(scope="module")
+def usual(film, eel, shares):
+    water = textbook_of(eel)
+    how = {"water": water, "n_draws": N_DRAWS, "on_progress": shares.append}
+    return invert_points(film.points, eel, film.along, **how)
 
 
 def test_nothing_speaks_against_a_swim_in_its_own_water(usual):
@@ -101,12 +110,10 @@ def test_one_point_has_no_motion_of_the_body(film, eel):
         invert_points(points, eel)
 
 
-def test_progress_goes_from_the_fit_to_the_last_draw(film, eel):
-    shares: list[float] = []
-    water = textbook_of(eel)
-    invert_points(film.points, eel, film.along, water=water, n_draws=40, on_progress=shares.append)
+@pytest.mark.usefixtures("usual")
+def test_progress_goes_from_the_fit_to_the_last_draw(shares):
     assert shares == sorted(shares)
-    assert len(shares) > 40
+    assert len(shares) > N_DRAWS
     assert 0.0 < shares[0] < shares[-1] <= 1.0
 
 
