@@ -8,7 +8,6 @@ from typing import Annotated, Any, Literal
 import laticauda as lc
 from laticauda.cli import command, flags
 from laticauda.cli.scene import OfScenario, warn_of_compiling
-from laticauda.missions import load_mission
 from laticauda.scenarios import load_scenario
 from laticauda.sensing import Place
 from laticauda.values import BadArgument, option, quantity, value_class
@@ -229,6 +228,9 @@ def _read_places(name: str) -> tuple[Place, ...]:
     if Path(name).suffix == ".toml":
         scenario = load_scenario(name)
     else:
+        # Only here, for missions can be left out.
+        from laticauda.missions import load_mission
+
         scenario = load_mission(name)
     if not scenario.model.places:
         raise BadArgument("places", f"must be a scenario with places, got {name}")
