@@ -44,7 +44,7 @@ MEANT = {
     "num_links": ("n_links",),
     "preset": ("laticauda.load_robot",),
     "read": ("laticauda.load_robot",),
-    "save": ("laticauda.robot.save_robot",),
+    "save": ("laticauda.robot.to_toml",),
     "segments": ("n_links", "modules"),
     "servos": ("driven_joints",),
     "swim": ("laticauda.swim",),
