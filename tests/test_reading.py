@@ -9,10 +9,15 @@ import reading
 EASY = reading.Figures(tokens=8.0, expressions=5.0, conditional=3.0, nested=0.0, vague=0.1)
 
 
-def test_no_package_is_harder_to_read_than_its_row():
+@pytest.fixture(scope="module")
+def packages():
+    return reading.measure_packages()
+
+
+def test_no_package_is_harder_to_read_than_its_row(packages):
     limits = reading.read_limits()
     harder: dict[str, str] = {}
-    for package, figures in reading.measure_packages().items():
+    for package, figures in packages.items():
         allowed = limits.get(package, reading.LIMITS_OF_A_NEW_PACKAGE)
         for name in reading.names_above(figures, allowed):
             figure, limit = getattr(figures, name), getattr(allowed, name)
@@ -20,10 +25,10 @@ def test_no_package_is_harder_to_read_than_its_row():
     assert not harder
 
 
-def test_the_row_of_a_package_that_became_clearly_easier_is_lowered():
+def test_the_row_of_a_package_that_became_clearly_easier_is_lowered(packages):
     limits = reading.read_limits()
     easier: dict[str, list[str]] = {}
-    for package, figures in reading.measure_packages().items():
+    for package, figures in packages.items():
         names = reading.names_far_below(figures, limits.get(package, figures))
         if names:
             easier[package] = names
