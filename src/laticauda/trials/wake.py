@@ -90,6 +90,7 @@ def measure_wake(
     circulation = find_circulation(flux, speed, period, width)
     if core is None:
         core = CORE_SHARE * min(width, 0.5 * speed * period)
+    x, y = beat.position.tolist()
     return Wake(
         speed=speed,
         period=period,
@@ -98,8 +99,8 @@ def measure_wake(
         core=core,
         viscosity=viscosity,
         direction=direction,
-        x=float(beat.position[0]),
-        y=float(beat.position[1]),
+        x=x,
+        y=y,
         phase=math.atan2(cosine_part, sine_part),
         pairs=pairs,
         mean=water.uniform,

@@ -41,7 +41,13 @@ _NOSE_ANGLES = np.linspace(-0.5 * np.pi, 0.5 * np.pi, 13)
 
 
 def outline(robot: Robot, trial: Trial, sample: int) -> Points:
-    """Return trailing edge, fin hinges, tail end, joints and head end of the body at a sample, in this order [m]."""
+    """Return trailing edge, fin hinges, tail end, joints and head end of the body at a sample, in this order [m].
+
+    Args:
+        robot: The robot of the trial, in the plane.
+        trial: The trial.
+        sample: Number of the sample.
+    """
     return posture_outline(
         robot, trial.center_of_mass[sample, :2], trial.link_angle[sample], trial.fin_angle[sample]
     )
