@@ -74,8 +74,9 @@ def measure_wake(
     beat = measure_tail_beat(trial, period)
     current = np.array(water.uniform)
     through_water = beat.velocity - current[:2]
-    speed = float(np.hypot(*through_water))
-    direction = math.atan2(through_water[1], through_water[0])
+    forward_x, forward_y = through_water.tolist()
+    speed = math.hypot(forward_x, forward_y)
+    direction = math.atan2(forward_y, forward_x)
     to_the_left = np.array([-math.sin(direction), math.cos(direction)])
     cosine_part, sine_part = (beat.harmonic @ to_the_left).tolist()
     width = 2.0 * math.hypot(cosine_part, sine_part)
@@ -148,8 +149,10 @@ def measure_tail_beat(trial: Contents, period: float) -> TailBeat:
         fin_angle=trial.fin_angle[is_steady],
     )
     phase = 2.0 * math.pi * time / period
-    waves = [np.cos(phase), np.sin(phase), np.cos(2.0 * phase), np.sin(2.0 * phase)]
-    terms = np.stack([np.ones_like(time), time, *waves], axis=1)
+    constant = np.ones_like(time)
+    first_wave = [np.cos(phase), np.sin(phase)]
+    second_wave = [np.cos(2.0 * phase), np.sin(2.0 * phase)]
+    terms = np.stack([constant, time, *first_wave, *second_wave], axis=1)
     coefficients, *_ = np.linalg.lstsq(terms, posture.trailing_edge, rcond=None)
     return TailBeat(position=coefficients[0], velocity=coefficients[1], harmonic=coefficients[2:4])
 
