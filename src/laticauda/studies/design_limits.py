@@ -111,16 +111,16 @@ def check_design_limits(limits: DesignLimits, scenario: Scenario) -> None:
 
 def _check_battery(limits: DesignLimits, scenario: Scenario) -> None:
     """Reject a battery without a purpose, a purpose without a battery, and a robot of unknown power."""
-    given = [
+    purposes = [
         name for name in ("battery_range", "battery_time") if getattr(limits, name) is not None
     ]
     if limits.battery is None:
-        if given:
-            raise BadArgument("battery", f"must be given with `{given[0]}`, got None")
+        if purposes:
+            raise BadArgument("battery", f"must be given with `{purposes[0]}`, got None")
         return
-    if len(given) != 1:
+    if len(purposes) != 1:
         rule = "must come with one of `battery_range` and `battery_time`"
-        raise BadArgument("battery", f"{rule}, got {' and '.join(given) or 'neither'}")
+        raise BadArgument("battery", f"{rule}, got {' and '.join(purposes) or 'neither'}")
     if not has_power_model(scenario.robot, scenario.model.joints):
         raise BadArgument(
             "battery",

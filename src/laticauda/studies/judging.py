@@ -42,7 +42,7 @@ class LimitUse:
     """Name of the limit."""
     share: float
     """What it takes, as a share of what there is; more than 1 is too much [-]."""
-    words: str
+    description: str
     """What it takes and what there is, in words."""
 
     @property
@@ -75,7 +75,7 @@ class Judgment:
     @property
     def refusals(self) -> tuple[str, ...]:
         """Why it is refused, a sentence for each limit that is exceeded; empty if it is not."""
-        return tuple(f"{use.limit}: {use.words}" for use in self.uses if use.is_exceeded)
+        return tuple(f"{use.limit}: {use.description}" for use in self.uses if use.is_exceeded)
 
     @property
     def active(self) -> tuple[str, ...]:
@@ -104,7 +104,7 @@ def judge_design(optimization: Optimization, scenario: Scenario | None = None) -
     if trial.succeeded:
         uses += _judge_swim(optimization, trial, body)
     else:
-        uses.append(LimitUse(limit=RUN, share=math.inf, words=trial.status))
+        uses.append(LimitUse(limit=RUN, share=math.inf, description=trial.status))
     uses.sort(key=lambda use: -use.share)
     return Judgment(scenario=swimming, trial=trial, uses=tuple(uses))
 
@@ -139,7 +139,7 @@ def _judge_body(
     optimization: Optimization, scenario: Scenario, body: BodyNumbers
 ) -> list[LimitUse]:
     """Return what a body takes of its limits."""
-    words = {
+    descriptions = {
         MASS: f"{body.mass:.3g} kg of at most {optimization.most_mass or math.nan:g}",
         BUOYANCY: _describe_buoyancy(body, optimization.buoyancy_tolerance or math.nan),
         BALLAST: _describe_ballast(scenario, body),
@@ -148,7 +148,9 @@ def _judge_body(
     }
     uses: list[LimitUse] = []
     for limit, shares in limits_of_body(optimization, body).items():
-        uses.append(LimitUse(limit=limit, share=float(np.max(shares)), words=words[limit]))
+        uses.append(
+            LimitUse(limit=limit, share=float(np.max(shares)), description=descriptions[limit])
+        )
     return uses
 
 
@@ -180,18 +182,22 @@ def _judge_swim(optimization: Optimization, trial: Trial, body: BodyNumbers) -> 
     uses: list[LimitUse] = []
     if not optimization.beyond_actuators:
         allowed = optimization.servo_share
-        words = trial.feasibility.words
+        description = trial.feasibility.words
         if allowed < 1.0:
-            words = f"{words}; {100.0 * allowed:g} % of it may be used"
-        uses.append(LimitUse(limit=SERVOS, share=trial.utilization / allowed, words=words))
+            description = f"{description}; {100.0 * allowed:g} % of it may be used"
+        uses.append(
+            LimitUse(limit=SERVOS, share=trial.utilization / allowed, description=description)
+        )
     if optimization.battery is not None:
         uses.append(_judge_battery(optimization, trial, body))
     least = optimization.least_velocity
     if least is not None:
         name = swum_figure("forward_velocity", optimization.scenario, optimization.names)
         speed: float = getattr(trial, name)
-        words = f"{speed:.3g} m/s of at least {least:g}"
-        uses.append(LimitUse(limit=SPEED, share=least / max(speed, ROUNDING), words=words))
+        description = f"{speed:.3g} m/s of at least {least:g}"
+        uses.append(
+            LimitUse(limit=SPEED, share=least / max(speed, ROUNDING), description=description)
+        )
     return uses
 
 
@@ -214,7 +220,7 @@ def _judge_battery(optimization: Optimization, trial: Trial, body: BodyNumbers) 
     return LimitUse(
         limit=BATTERY,
         share=float(share[0]),
-        words=(
+        description=(
             f"{needed:.3g} of {optimization.battery:g} Wh for {purpose}, "
             f"with {total_power:.3g} W at {speed:.3g} m/s"
         ),

@@ -86,11 +86,11 @@ class Tried(NamedTuple):
     violation: float
     loss: float
 
-    def is_better(self, other: "Tried | None") -> bool:
+    def is_better(self, rival: "Tried | None") -> bool:
         """Return whether it is nearer to being feasible than another, or as near and better."""
-        if other is None:
+        if rival is None:
             return True
-        return (self.violation, self.loss) < (other.violation, other.loss)
+        return (self.violation, self.loss) < (rival.violation, rival.loss)
 
 
 class _Asked(NamedTuple):
@@ -227,8 +227,8 @@ class LimitedSearch:
             if np.any(is_beyond):
                 self._refused = steps.points[np.flatnonzero(is_beyond)[-1]]
             return
-        taken = int(np.argmin(np.linalg.norm(steps.points - best.point, axis=1)))
-        self._radius = min(2.0 * float(steps.radii[taken]), LARGEST_RADIUS)
+        nearest = int(np.argmin(np.linalg.norm(steps.points - best.point, axis=1)))
+        self._radius = min(2.0 * float(steps.radii[nearest]), LARGEST_RADIUS)
         self._evolution = None
         if before is not None and before.violation == 0.0:
             gain = before.loss - best.loss
@@ -280,12 +280,12 @@ class LimitedSearch:
         is known from either side.
         """
         assert self._best is not None
-        other = self._model_of(refused)
-        if other is None:
+        model_beyond = self._model_of(refused)
+        if model_beyond is None:
             return model
-        n_swim = other.excess.size - other.n_exact
-        slopes = other.excess_slopes[:n_swim]
-        excess = other.excess[:n_swim] + slopes @ (self._best.point - refused)
+        n_swim = model_beyond.excess.size - model_beyond.n_exact
+        slopes = model_beyond.excess_slopes[:n_swim]
+        excess = model_beyond.excess[:n_swim] + slopes @ (self._best.point - refused)
         return replace(
             model,
             excess=np.concatenate((excess, model.excess)),

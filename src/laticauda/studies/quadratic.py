@@ -74,8 +74,8 @@ def _solve_convex(slope: Point, curvature: Matrix, sides: Matrix, ends: np.ndarr
     weights, residual = optimize.nnls(system, target, maxiter=30 * ends.size)
     if residual**2 < FEASIBLE:
         return None
-    rest = system @ weights - target
-    shortest = -rest[:-1] / rest[-1]
+    remainder = system @ weights - target
+    shortest = -remainder[:-1] / remainder[-1]
     return np.asarray(unlimited + np.linalg.solve(root.T, shortest), dtype=float)
 
 

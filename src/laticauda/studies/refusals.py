@@ -45,8 +45,10 @@ def count_refusals(
             )
             if battery is not None:
                 shares[BATTERY] = battery
-        known = {name: share for name, share in shares.items() if np.all(np.isfinite(share))}
-        largest = largest_share(known)
+        finite_shares = {
+            name: share for name, share in shares.items() if np.all(np.isfinite(share))
+        }
+        largest = largest_share(finite_shares)
         name = largest.limit
         if largest.share <= 1.0 + ROUNDING:
             # Nothing of what is known: it did not swim, or it is too slow.

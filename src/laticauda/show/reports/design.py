@@ -126,7 +126,10 @@ def _pieces(robot: Robot, widths: Sequence[float], fin_width: float) -> list[Pie
 
 def _find_extent(robots: Sequence[Robot]) -> tuple[float, float]:
     """Return the length and the width that all views need [mm]."""
-    pieces = [piece for robot in robots for piece in (*side_view(robot), *plan_view(robot))]
+    pieces: list[Piece] = []
+    for robot in robots:
+        pieces += side_view(robot)
+        pieces += plan_view(robot)
     length = max(piece.begin + piece.length for piece in pieces)
     width = max(piece.width for piece in pieces)
     return length, width
