@@ -41,8 +41,10 @@ METHODS: tuple[Method, ...] = ("slopes", "cma-es")
 JOBS: list[tuple[str, Method, int]] = [
     ("masses", "slopes", 0),
     *(("masses", "cma-es", seed) for seed in range(5)),
+    ("ballast", "slopes", 0),
+    *(("ballast", "cma-es", seed) for seed in range(5)),
 ]
-"""Problem, method and seed of every search; `ballast` is there to be run, too."""
+"""Problem, method and seed of every search."""
 
 
 @dataclass(frozen=True)

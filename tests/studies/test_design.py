@@ -156,7 +156,7 @@ def test_cma_es_with_the_same_seed_tries_the_same_points_and_leaves_other_number
 
 
 def test_a_design_keeps_its_limits_and_lengths_in_steps():
-    sought = replace(SOUGHT, length_step=0.005)
+    sought = replace(SOUGHT, length_step=0.005, battery=200.0)
     front = optimize(sought, budget=80, seed=1)
     judgment = judge_design(sought, front.scenario(0))
     assert judgment.is_feasible, judgment.refusals
@@ -181,9 +181,9 @@ def test_a_refused_design_says_why():
     assert "mass: 2.64 kg of at most 2" in judgment.refusals
     assert any("of 0.1 Wh for 1000 m" in refusal for refusal in judgment.refusals)
     assert set(judgment.active) == {"mass", "battery", "joints"}
-    front = optimize(sought, budget=8, method="cma-es", seed=0)
+    front = optimize(sought, budget=9, method="cma-es", seed=0)
     assert len(front) == 0
-    assert front.refusals == {"mass": 8}
+    assert front.refusals == {"mass": 9}
 
 
 @pytest.mark.parametrize(
@@ -213,14 +213,19 @@ def test_every_servo_is_a_servo():
         with_servos(ROBOT, "xw541")
 
 
-def test_stored_designs_along_slopes_beat_every_run_of_cma_es():
+def test_stored_designs_along_slopes_beat_every_run_of_cma_es_for_sixty_numbers():
     runs = codesign.read_table()
+    of_masses = [run for run in runs if run.problem == "masses"]
     speeds = {
-        method: [run.speed for run in runs if run.method == method] for method in codesign.METHODS
+        method: [run.speed for run in of_masses if run.method == method]
+        for method in codesign.METHODS
     }
     assert len(codesign.bounds_of_body(with_masses=True)) == 60
-    assert len(speeds["cma-es"]) >= 3
+    assert len(speeds["cma-es"]) == 5
     assert min(speeds["slopes"]) > max(speeds["cma-es"])
+    of_ballast = [run for run in runs if run.problem == "ballast"]
+    fastest = max(of_ballast, key=lambda run: run.speed)
+    assert fastest.method == "cma-es"  # as docs/how-to/optimize.md says
     for run in runs:
         assert run.trials <= codesign.BUDGET + 200
         assert max(run.battery, run.utilization / 0.5, run.mass / 7.0) <= 1.0 + 1e-6

@@ -4,6 +4,7 @@ Also the evaluation of its points: their figures, and how far each is from being
 """
 
 from collections.abc import Mapping, Sequence
+from contextlib import nullcontext
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,11 +17,12 @@ from laticauda.models.simulate import (
     gradients,
     make_run_table,
     runs_of,
+    silent,
 )
 from laticauda.models.simulate.numbers import list_parameters
 from laticauda.models.simulate.parameter_paths import strip_items
 from laticauda.robot import Water
-from laticauda.scenarios import Controller, OpenLoop
+from laticauda.scenarios import Controller, OpenLoop, telling
 from laticauda.studies import sampling
 from laticauda.studies.design_limits import (
     BodyNumbers,
@@ -138,7 +140,9 @@ class Optimization(Limits):
     def __post_init__(self) -> None:
         """Check the fields against each other."""
         check_scenario(self.scenario)
-        check_ranges(self.scenario, self.bounds, "bounds")
+        # Before ballast, a large body may well be too light for its water.
+        with telling(silent) if self.ballast else nullcontext():
+            check_ranges(self.scenario, self.bounds, "bounds")
         check_design_limits(self, self.scenario)
         objectives = [swum_figure(name, self.scenario, self.bounds) for name in self.objectives]
         object.__setattr__(self, "objectives", _check_objectives("objectives", objectives))
@@ -284,18 +288,26 @@ def evaluate(
         shortfall = 1.0 - results[speed] / optimization.least_velocity
         is_slow = swims & (shortfall > 0.0)
         violation = np.where(is_slow, np.maximum(shortfall, violation), violation)
-    idle_power = np.array([body.idle_power for body in bodies])
-    speed_through_water = results[speed_of_range(scenario)]
-    battery = battery_share(optimization, results["mean_power"], speed_through_water, idle_power)
-    if battery is not None:
-        is_beyond = swims & (battery > 1.0 + ROUNDING)
-        violation = np.where(is_beyond, np.maximum(battery - 1.0, violation), violation)
+    if optimization.battery is not None:
+        excess = _excess_of_battery(optimization, bodies, results)
+        violation = np.where(swims & (excess > ROUNDING), np.maximum(excess, violation), violation)
     has_values = np.full(len(table), True)
     for name in optimization.objectives:
         has_values &= np.isfinite(results[name])
     violation = np.minimum(violation, FAILED)
     results[VIOLATION] = np.where(swims & ~has_values, FAILED, violation)
     return results
+
+
+def _excess_of_battery(
+    optimization: Optimization, bodies: Sequence[BodyNumbers], results: Mapping[str, Column]
+) -> Column:
+    """Return by how much of the battery points take more than there is."""
+    idle_power = np.array([body.idle_power for body in bodies])
+    speed = results[speed_of_range(optimization.scenario)]
+    share = battery_share(optimization, results["mean_power"], speed, idle_power)
+    assert share is not None
+    return share - 1.0
 
 
 class Swum(NamedTuple):

@@ -156,7 +156,7 @@ def _draw_view(
     ax.set_xlim(-0.01 * length, 1.01 * length)
     ax.set_ylim(-0.62 * width, 0.62 * width)
     ax.set_aspect("equal", anchor="W")
-    style.style_axes(ax, xlabel="", ylabel="")
+    style.style_axes(ax, xlabel="", ylabel="[mm]")
     ax.set_yticks(
         [-0.5 * width, 0.0, 0.5 * width], [f"{-0.5 * width:.0f}", "0", f"{0.5 * width:.0f}"]
     )
