@@ -103,6 +103,26 @@ def test_a_table_that_another_process_writes_to_is_refused(mission, tmp_path):
         run_campaign(mission, CONDITIONS, SEEDS, path)
 
 
+def test_a_table_of_another_mission_or_of_other_conditions_is_refused(mission, whole, tmp_path):
+    path = tmp_path / "rows.csv"
+    path.write_bytes(whole)
+    message = r"`table` must be a new file, or of the same mission under the same conditions, got .*rows\.csv of"
+    with pytest.raises(ValueError, match=message):
+        run_campaign(replace(mission, duration=2.0), CONDITIONS, SEEDS, path)
+    with pytest.raises(ValueError, match=message):
+        run_campaign(mission, replace(CONDITIONS, current=0.05), SEEDS, path)
+    assert path.read_bytes() == whole
+
+
+def test_shares_of_two_campaigns_are_not_merged(mission, tmp_path):
+    for number, duration in ((1, 1.0), (2, 2.0)):
+        share = Share(number=number, count=2)
+        changed = replace(mission, duration=duration)
+        run_campaign(changed, CONDITIONS, range(2), tmp_path / "rows.csv", share=share)
+    with pytest.raises(ValueError, match="of the same mission under the same conditions"):
+        merge_campaign(tmp_path / "rows.csv", range(2))
+
+
 @pytest.mark.parametrize("content", ["time,speed\n0,1\n", "time,speed\n0,1", "time"])
 def test_another_table_is_refused_and_stays_as_it_is(content, mission, tmp_path):
     path = tmp_path / "rows.csv"

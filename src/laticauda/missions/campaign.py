@@ -3,6 +3,7 @@
 `laticauda.missions.campaign_table` keeps the rows.
 """
 
+import hashlib
 import math
 from collections.abc import Generator, Sequence
 from contextlib import closing
@@ -12,11 +13,11 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.missions.campaign_table import MissionRow, open_table
+from laticauda.missions.campaign_table import CampaignTable, MissionRow, open_table
 from laticauda.missions.running import MissionResult, run_missions
 from laticauda.models.simulate import cluster, silent
 from laticauda.robot import Water
-from laticauda.scenarios import Scenario, Start
+from laticauda.scenarios import Scenario, Start, run_to_toml
 from laticauda.sensing import Sensor, SensorFault
 from laticauda.studies import GO_ON, Progress, Share, find_shares, list_shares
 from laticauda.values import BadArgument, option, quantity, value_class
@@ -24,6 +25,8 @@ from laticauda.water.fluid.flow import Flow
 
 LOWEST_WAVE = 1e-6
 """Height of waves at least [m]."""
+NAME_LENGTH = 12
+"""Digits of a campaign's name, which are enough to tell any two apart."""
 NORMAL_QUANTILE = 1.959964
 """Quantile of the normal distribution for intervals of 95 % [-]."""
 
@@ -170,10 +173,22 @@ def _flow_of(draw: Draw) -> Flow:
     return current + waves
 
 
-def make_row(draw: Draw, result: MissionResult) -> MissionRow:
+def name_of_campaign(scenario: Scenario, conditions: Conditions) -> str:
+    """Return a short name that two campaigns share only if all their numbers are the same.
+
+    Args:
+        scenario: The mission.
+        conditions: What differs between the runs.
+    """
+    text = f"{run_to_toml(scenario)}\n{conditions}"
+    return hashlib.sha256(text.encode()).hexdigest()[:NAME_LENGTH]
+
+
+def make_row(campaign: str, draw: Draw, result: MissionResult) -> MissionRow:
     """Return the row of a run.
 
     Args:
+        campaign: The name of the campaign.
         draw: What was drawn.
         result: What came of it.
     """
@@ -184,6 +199,7 @@ def make_row(draw: Draw, result: MissionResult) -> MissionRow:
     if result.changes:
         reason = result.changes[-1].reason
     return MissionRow(
+        campaign=campaign,
         seed=draw.seed,
         current=draw.current,
         current_direction=draw.current_direction,
@@ -236,7 +252,7 @@ def run_campaign(
         All rows of the file.
 
     Raises:
-        ValueError: If the file is no table of a campaign, or another process writes to it.
+        ValueError: If the file is no table of this campaign, or another process writes to it.
         StorageFailed: If it cannot be written. Nothing that was stored is lost.
         ClusterFailed: If the cluster's scheduler goes away, or workers die repeatedly. Nothing that
             was stored is lost.
@@ -246,6 +262,7 @@ def run_campaign(
         seeds = seeds_of_share(share, seeds)
         table_path = share.file(table_path)
     with open_table(table_path) as table:
+        table.check_campaign(name_of_campaign(scenario, conditions))
         done = table.seeds
         left = [seed for seed in seeds if seed not in done]
         n_wanted = len(seeds)
@@ -290,7 +307,8 @@ def run_seeds(scenario: Scenario, conditions: Conditions, seeds: Sequence[int]) 
     """
     draws = [draw_conditions(conditions, seed) for seed in seeds]
     results = run_missions([change_scenario(scenario, conditions, draw) for draw in draws])
-    return [make_row(draw, result) for draw, result in zip(draws, results, strict=True)]
+    campaign = name_of_campaign(scenario, conditions)
+    return [make_row(campaign, draw, result) for draw, result in zip(draws, results, strict=True)]
 
 
 def seeds_of_share(share: Share, seeds: Sequence[int]) -> Sequence[int]:
@@ -331,6 +349,7 @@ def merge_campaign(path: str | Path, seeds: Sequence[int]) -> MergedCampaign:
     with open_table(Path(path)) as table:
         for stored_share in stored_shares:
             with open_table(stored_share.path) as share_table:
+                _check_same_campaign(share_table, table)
                 done = table.seeds
                 table.append([row for row in share_table.rows if row.seed not in done])
         table.sort()
@@ -342,6 +361,12 @@ def merge_campaign(path: str | Path, seeds: Sequence[int]) -> MergedCampaign:
     return MergedCampaign(
         rows=table.rows, n_done=len(done.intersection(seeds)), unfinished=tuple(unfinished)
     )
+
+
+def _check_same_campaign(share_table: CampaignTable, table: CampaignTable) -> None:
+    """Reject a share of another campaign than the rows before it."""
+    if table.rows:
+        share_table.check_campaign(table.rows[0].campaign)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -21,6 +21,8 @@ from laticauda.values.files import write
 class MissionRow:
     """One run of a campaign: what was drawn, and what came of it."""
 
+    campaign: str
+    """Which mission under which conditions: see `name_of_campaign`."""
     seed: int
     """What decided the draw."""
     current: float
@@ -71,6 +73,19 @@ class CampaignTable:
     def seeds(self) -> set[int]:
         """Seeds of the runs that are stored."""
         return {row.seed for row in self.rows}
+
+    def check_campaign(self, campaign: str) -> None:
+        """Reject a table with rows of another mission, or of other conditions.
+
+        Args:
+            campaign: What all rows must be of.
+
+        Raises:
+            ValueError: If it has others.
+        """
+        if any(row.campaign != campaign for row in self.rows):
+            rule = "must be a new file, or of the same mission under the same conditions"
+            raise BadArgument("table", f"{rule}, got {self.path} of another one")
 
     def append(self, rows: Sequence[MissionRow]) -> None:
         """Append rows; a new file gets its header first.
