@@ -63,7 +63,7 @@ class Design:
             share_before = ""
             if use.limit in before:
                 share_before = f"{100.0 * before[use.limit]:.0f} %"
-            rows.append((use.limit, f"{100.0 * use.share:.0f} %", share_before, use.words))
+            rows.append((use.limit, f"{100.0 * use.share:.0f} %", share_before, use.description))
         active = ", ".join(self.after.active) or "none, so that the ranges limit it"
         lines = [align_columns(rows), f"Limits that are reached: {active}."]
         if not self.before.is_feasible:
@@ -75,7 +75,12 @@ class Design:
     def facts(self) -> list[dict[str, Any]]:
         """The same for programs."""
         return [
-            {"limit": use.limit, "share": use.share, "is_active": use.is_active, "words": use.words}
+            {
+                "limit": use.limit,
+                "share": use.share,
+                "is_active": use.is_active,
+                "words": use.description,
+            }
             for use in self.after.uses
         ]
 

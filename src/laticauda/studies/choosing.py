@@ -68,31 +68,40 @@ def choose_search(
     if method == "auto":
         method = _find_method(optimization)
     _check_method(optimization, method)
-    low, high = optimization.box()
     if method == "cma-es":
-        start = find_start(optimization)
-        cma_search = CmaSearch(start, low, high, population=population, seed=seed)
-        n_points = cma_search.population
-        return ChosenSearch(cma_search, _settings_of_cma(n_points, seed, method), n_points)
+        return _choose_cma(optimization, population, seed)
     if method == "slopes" and optimization.limits_design:
-        limited_search = LimitedSearch(
-            find_start(optimization),
-            DesignProblem(optimization, threads),
-            low,
-            high,
-            seed=seed,
-        )
-        return ChosenSearch(limited_search, _settings_of_cma(None, seed, "limits"), 1)
+        return _choose_limited_search(optimization, seed, threads)
     n_objectives = len(optimization.objectives)
     if population is None:
         population = POPULATION[n_objectives]
     settings: dict[str, Any] = {"population": population, "seed": seed, **package_versions()}
+    low, high = optimization.box()
     evolution = Search(low, high, n_objectives=n_objectives, population=population, seed=seed)
     if method == "slopes":
         slope = partial(compute_slope, optimization, threads=threads)
         search = SlopeSearch(evolution, slope, low, high)
         return ChosenSearch(search, {**settings, "search": "slopes"}, population)
     return ChosenSearch(evolution, settings, population)
+
+
+def _choose_cma(optimization: Optimization, population: int | None, seed: int) -> ChosenSearch:
+    """Return the search by CMA-ES."""
+    low, high = optimization.box()
+    start = find_start(optimization)
+    search = CmaSearch(start, low, high, population=population, seed=seed)
+    settings = _settings_of_cma(search.population, seed, "cma-es")
+    return ChosenSearch(search, settings, search.population)
+
+
+def _choose_limited_search(
+    optimization: Optimization, seed: int, threads: int | None
+) -> ChosenSearch:
+    """Return the search that knows the slopes of the limits of a design."""
+    low, high = optimization.box()
+    problem = DesignProblem(optimization, threads)
+    search = LimitedSearch(find_start(optimization), problem, low, high, seed=seed)
+    return ChosenSearch(search, _settings_of_cma(None, seed, "limits"), 1)
 
 
 def _find_method(optimization: Optimization) -> str:

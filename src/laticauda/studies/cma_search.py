@@ -93,8 +93,8 @@ class CmaSearch:
             violation: 0 for feasible points, otherwise how far they are from being feasible.
         """
         is_feasible = violation == 0.0
-        of_feasible = losses[is_feasible, 0]
-        worst = float(np.max(of_feasible, initial=0.0))
+        feasible_losses = losses[is_feasible, 0]
+        worst = float(np.max(feasible_losses, initial=0.0))
         ranks = np.where(is_feasible, losses[:, 0], worst + 1.0 + violation)
         self._strategy.tell(self._asked, ranks.tolist())
 

@@ -157,8 +157,8 @@ class BodyNumbers(NamedTuple):
             density = scenario.environment.density
         mass = robot.mass
         if with_ballast:
-            of_modules = math.fsum(module.mass for module in robot.modules)
-            mass += math.fsum(ballasted_masses(robot, density)) - of_modules
+            mass_of_modules = math.fsum(module.mass for module in robot.modules)
+            mass += math.fsum(ballasted_masses(robot, density)) - mass_of_modules
         return cls(
             mass=mass,
             displaced=density * robot.volume,

@@ -148,18 +148,17 @@ def _judge_body(
     }
     uses: list[LimitUse] = []
     for limit, shares in limits_of_body(optimization, body).items():
-        uses.append(
-            LimitUse(limit=limit, share=float(np.max(shares)), description=descriptions[limit])
-        )
+        share = float(np.max(shares))
+        uses.append(LimitUse(limit=limit, share=share, description=descriptions[limit]))
     return uses
 
 
 def _describe_buoyancy(body: BodyNumbers, tolerance: float) -> str:
     excess = body.mass / body.displaced - 1.0
-    heavier = "heavier" if excess > 0.0 else "lighter"
+    comparison = "heavier" if excess > 0.0 else "lighter"
     return (
         f"{body.mass:.4g} kg in the place of {body.displaced:.4g} kg of water, "
-        f"{100.0 * abs(excess):.2g} % {heavier}; {100.0 * tolerance:g} % are allowed"
+        f"{100.0 * abs(excess):.2g} % {comparison}; {100.0 * tolerance:g} % are allowed"
     )
 
 
@@ -184,20 +183,18 @@ def _judge_swim(optimization: Optimization, trial: Trial, body: BodyNumbers) -> 
         allowed = optimization.servo_share
         description = trial.feasibility.words
         if allowed < 1.0:
-            description = f"{description}; {100.0 * allowed:g} % of it may be used"
-        uses.append(
-            LimitUse(limit=SERVOS, share=trial.utilization / allowed, description=description)
-        )
+            description += f"; {100.0 * allowed:g} % of it may be used"
+        share = trial.utilization / allowed
+        uses.append(LimitUse(limit=SERVOS, share=share, description=description))
     if optimization.battery is not None:
         uses.append(_judge_battery(optimization, trial, body))
-    least = optimization.least_velocity
-    if least is not None:
-        name = swum_figure("forward_velocity", optimization.scenario, optimization.names)
-        speed: float = getattr(trial, name)
-        description = f"{speed:.3g} m/s of at least {least:g}"
-        uses.append(
-            LimitUse(limit=SPEED, share=least / max(speed, ROUNDING), description=description)
-        )
+    least_speed = optimization.least_velocity
+    if least_speed is not None:
+        figure = swum_figure("forward_velocity", optimization.scenario, optimization.names)
+        speed: float = getattr(trial, figure)
+        description = f"{speed:.3g} m/s of at least {least_speed:g}"
+        share = least_speed / max(speed, ROUNDING)
+        uses.append(LimitUse(limit=SPEED, share=share, description=description))
     return uses
 
 
@@ -205,21 +202,22 @@ def _judge_battery(optimization: Optimization, trial: Trial, body: BodyNumbers) 
     """Return what a swim takes of the battery."""
     assert optimization.battery is not None
     speed: float = getattr(trial, speed_of_range(optimization.scenario))
-    share = battery_share(
+    shares = battery_share(
         optimization,
         np.array([trial.mean_power]),
         np.array([max(speed, ROUNDING)]),
         np.array([body.idle_power]),
     )
-    assert share is not None
+    assert shares is not None
+    share = float(shares[0])
     total_power = trial.mean_power + body.idle_power
     purpose = f"{(optimization.battery_time or 0.0) / SECONDS_PER_HOUR:.3g} h"
     if optimization.battery_range is not None:
         purpose = f"{optimization.battery_range:g} m"
-    needed = float(share[0]) * optimization.battery
+    needed = share * optimization.battery
     return LimitUse(
         limit=BATTERY,
-        share=float(share[0]),
+        share=share,
         description=(
             f"{needed:.3g} of {optimization.battery:g} Wh for {purpose}, "
             f"with {total_power:.3g} W at {speed:.3g} m/s"

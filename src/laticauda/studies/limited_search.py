@@ -18,6 +18,7 @@ from laticauda.studies.cma_search import CmaSearch
 from laticauda.studies.local_model import LocalModel
 from laticauda.studies.quadratic import solve_quadratic
 from laticauda.studies.sampling import Table
+from laticauda.studies.slopes import PointSlope
 
 Point: TypeAlias = Float[np.ndarray, " n_names"]
 
@@ -79,25 +80,29 @@ LEAST_CURVATURE = 1e-8
 """Curvature below which two slopes say nothing about it, relative to their sizes [-]."""
 
 
-class Tried(NamedTuple):
+class TriedPoint(NamedTuple):
     """A point that was tried, as shares of the ranges."""
 
     point: Point
     violation: float
+    """0 if it is feasible, otherwise how far it is from being so."""
     loss: float
+    """Loss (smaller is better)."""
 
-    def is_better(self, rival: "Tried | None") -> bool:
-        """Return whether it is nearer to being feasible than another, or as near and better."""
-        if rival is None:
+    def is_better(self, best: "TriedPoint | None") -> bool:
+        """Return whether it is nearer to being feasible than the best one before, or as near and better."""
+        if best is None:
             return True
-        return (self.violation, self.loss) < (rival.violation, rival.loss)
+        return (self.violation, self.loss) < (best.violation, best.loss)
 
 
-class _Asked(NamedTuple):
+class _Steps(NamedTuple):
     """Points that are tried along directions from the best one."""
 
     points: Table
+    """The points, as shares of the ranges."""
     radii: Float[np.ndarray, " n"]
+    """Largest change of a number on the way to each, as a share of its range [-]."""
     distances: Float[np.ndarray, " n"]
     """By how much each stays below the limits to first order [-]."""
 
@@ -130,7 +135,7 @@ class LimitedSearch:
         self._evolution: CmaSearch | None = None
         """Evolution around the best point, while the search explores."""
         self._first: Table | None = start[np.newaxis]
-        self._best: Tried | None = None
+        self._best: TriedPoint | None = None
         self._model: LocalModel | None = None
         """Local model at the best point, once it is known."""
         self._refused: Point | None = None
@@ -139,7 +144,7 @@ class LimitedSearch:
         """Points whose limits were added to the local model."""
         self._is_exploring = False
         self._asked: Table = np.empty((0, low.size))
-        self._steps: _Asked | None = None
+        self._steps: _Steps | None = None
         self._radius = FIRST_RADIUS
         self._bend = FIRST_BEND
         self._curvature = _Curvature(low.size)
@@ -150,7 +155,8 @@ class LimitedSearch:
         """Return the next points to try."""
         self._steps = None
         if self._first is not None:
-            self._asked, self._first = self._first, None
+            self._asked = self._first
+            self._first = None
             return self._asked
         if not self._is_exploring and self._radius >= LEAST_RADIUS:
             self._steps = self._points_within_limits()
@@ -198,19 +204,19 @@ class LimitedSearch:
                 self._radius = FIRST_RADIUS
                 self._bend = FIRST_BEND
 
-    def _best_of(self, losses: np.ndarray, violation: np.ndarray) -> Tried:
+    def _best_of(self, losses: np.ndarray, violation: np.ndarray) -> TriedPoint:
         """Return the best of the points that were asked last."""
         order = np.lexsort((losses, violation))
         i = int(order[0])
         shares = (self._asked[i] - self._low) / self._range
-        return Tried(shares, float(violation[i]), float(losses[i]))
+        return TriedPoint(shares, float(violation[i]), float(losses[i]))
 
     def _learn_from_steps(
         self,
-        steps: _Asked,
+        steps: _Steps,
         violation: np.ndarray,
-        best: Tried,
-        before: Tried | None,
+        best: TriedPoint,
+        before: TriedPoint | None,
         *,
         improves: bool,
     ) -> None:
@@ -218,8 +224,8 @@ class LimitedSearch:
         is_beyond = violation > 0.0
         if np.any(is_beyond):
             bends = (violation + steps.distances) / steps.radii**2
-            of_shortest = np.flatnonzero(is_beyond)[-1]
-            self._bend = min(float(bends[of_shortest]), LARGEST_BEND)
+            shortest = np.flatnonzero(is_beyond)[-1]
+            self._bend = min(float(bends[shortest]), LARGEST_BEND)
         else:
             self._bend *= FORGETTING
         if not improves:
@@ -227,14 +233,14 @@ class LimitedSearch:
             if np.any(is_beyond):
                 self._refused = steps.points[np.flatnonzero(is_beyond)[-1]]
             return
-        nearest = int(np.argmin(np.linalg.norm(steps.points - best.point, axis=1)))
-        self._radius = min(2.0 * float(steps.radii[nearest]), LARGEST_RADIUS)
+        step_to_best = int(np.argmin(np.linalg.norm(steps.points - best.point, axis=1)))
+        self._radius = min(2.0 * float(steps.radii[step_to_best]), LARGEST_RADIUS)
         self._evolution = None
         if before is not None and before.violation == 0.0:
             gain = before.loss - best.loss
             self._is_exploring = gain < LEAST_GAIN * abs(best.loss)
 
-    def _points_within_limits(self) -> _Asked | None:
+    def _points_within_limits(self) -> _Steps | None:
         """Return the solutions of the quadratic programs of several radii; None if nothing is known."""
         assert self._best is not None
         point = self._best.point
@@ -259,7 +265,7 @@ class LimitedSearch:
                 points.append(self._solve(point, model, radius, distance))
                 radii.append(radius)
                 distances.append(distance)
-        return _Asked(np.array(points), np.array(radii), np.array(distances))
+        return _Steps(np.array(points), np.array(radii), np.array(distances))
 
     def _model_of(self, point: Point) -> LocalModel | None:
         """Return the local model at a point, all numbers as shares of their ranges."""
@@ -280,12 +286,12 @@ class LimitedSearch:
         is known from either side.
         """
         assert self._best is not None
-        model_beyond = self._model_of(refused)
-        if model_beyond is None:
+        refused_model = self._model_of(refused)
+        if refused_model is None:
             return model
-        n_swim = model_beyond.excess.size - model_beyond.n_exact
-        slopes = model_beyond.excess_slopes[:n_swim]
-        excess = model_beyond.excess[:n_swim] + slopes @ (self._best.point - refused)
+        n_swim = refused_model.excess.size - refused_model.n_exact
+        slopes = refused_model.excess_slopes[:n_swim]
+        excess = refused_model.excess[:n_swim] + slopes @ (self._best.point - refused)
         return replace(
             model,
             excess=np.concatenate((excess, model.excess)),
@@ -307,7 +313,9 @@ class LimitedSearch:
             least = np.where(self._problem.is_stepped, rounded, least)
             most = np.where(self._problem.is_stepped, rounded, most)
             change = self._solve_program(model, excess, least, most)
-        for _ in range(N_CORRECTIONS if n_exact else 0):
+        if n_exact == 0:
+            return np.clip(point + change, 0.0, 1.0)
+        for _ in range(N_CORRECTIONS):
             exact = self._problem.exceed_exactly(self._from_shares(point + change))
             if np.all(exact <= 0.0):
                 break
@@ -338,7 +346,7 @@ class _Curvature:
     def forget(self) -> None:
         """Begin anew at another point."""
         self.matrix: np.ndarray = np.zeros((self._size, self._size))
-        self._last: tuple[Point, Point] | None = None
+        self._last: PointSlope | None = None
 
     def learn(self, point: Point, slope: Point) -> None:
         """Improve the curvature by the change of the slope since the last point.
@@ -348,19 +356,18 @@ class _Curvature:
             slope: Slope of the loss there.
         """
         last = self._last
-        self._last = point, slope
+        self._last = PointSlope(point, slope)
         if last is None:
             return
-        last_point, last_slope = last
-        step = point - last_point
-        turn = slope - last_slope
-        along = float(step @ turn)
-        if along <= LEAST_CURVATURE * float(np.linalg.norm(step) * np.linalg.norm(turn)):
+        change = last.change_to(self._last)
+        if change.curvature <= LEAST_CURVATURE * change.largest_curvature:
             return
+        step = change.step
+        turn = change.turn
         matrix = self.matrix
         if not np.any(matrix):
-            matrix = along / float(step @ step) * np.eye(self._size)
+            matrix = change.curvature / float(step @ step) * np.eye(self._size)
         bent = matrix @ step
-        self.matrix = (
-            matrix + np.outer(turn, turn) / along - np.outer(bent, bent) / float(step @ bent)
-        )
+        added = np.outer(turn, turn) / change.curvature
+        removed = np.outer(bent, bent) / float(step @ bent)
+        self.matrix = matrix + added - removed

@@ -84,23 +84,18 @@ def compute_local_model(
     if swim is None:
         return None
     (objective,) = optimization.objectives
-    excess: list[np.ndarray] = []
-    slopes: list[np.ndarray] = []
-    for values, jacobian in (
+    body_limits = _limit_body(optimization, point)
+    limits = (
         _limit_speed(optimization, swim),
         _limit_battery(optimization, point, swim),
         _limit_joints(optimization, point, threads),
-    ):
-        excess.append(values)
-        slopes.append(jacobian)
-    of_body = _limit_body(optimization, point)
-    excess.append(of_body.values)
-    slopes.append(of_body.jacobian)
+        body_limits,
+    )
     return LocalModel(
-        slope=sign_of_loss(objective) * swim.jacobian[figures.index(objective)],
-        excess=np.concatenate(excess),
-        excess_slopes=np.concatenate(slopes),
-        n_exact=of_body.values.size,
+        slope=sign_of_loss(objective) * swim.find(objective).slope,
+        excess=np.concatenate([limit.values for limit in limits]),
+        excess_slopes=np.concatenate([limit.jacobian for limit in limits]),
+        n_exact=body_limits.values.size,
     )
 
 
@@ -111,6 +106,13 @@ class _Differentiated(NamedTuple):
     jacobian: Float[np.ndarray, "n_values n_names"]
 
 
+class _Figure(NamedTuple):
+    """A figure of the swim, with its derivatives."""
+
+    value: float
+    slope: Point
+
+
 class _Swim(NamedTuple):
     """Figures of the swim at a point, with their derivatives."""
 
@@ -118,10 +120,10 @@ class _Swim(NamedTuple):
     values: Float[np.ndarray, " n_figures"]
     jacobian: Float[np.ndarray, "n_figures n_names"]
 
-    def of(self, figure: str) -> tuple[float, Point]:
-        """Return a figure and its derivatives."""
+    def find(self, figure: str) -> _Figure:
+        """Return a figure by its name."""
         i = self.figures.index(figure)
-        return float(self.values[i]), self.jacobian[i]
+        return _Figure(float(self.values[i]), self.jacobian[i])
 
 
 def _figures_with_slopes(optimization: Optimization) -> list[str]:
@@ -166,17 +168,32 @@ def _differentiate_swum(
     optimization: Optimization, point: Point, swum: Swum
 ) -> Float[np.ndarray, "n_swum n_names"]:
     """Return the derivatives of the numbers with which a point swims: ballast follows the volume."""
-    table, steps = _table_of_differences(optimization, point)
-    after, before = np.split(optimization.to_swim(table).table, 2)
-    return ((after - before) / (2.0 * steps[:, np.newaxis])).T
+    neighbors = _Neighbors.of(optimization, point)
+    return neighbors.differentiate(optimization.to_swim(neighbors.points).table)
 
 
-def _table_of_differences(optimization: Optimization, point: Point) -> tuple[Table, Point]:
-    """Return points with every number in turn a step larger, then a step smaller, and the steps."""
-    low, high = optimization.box()
-    steps = STEP_OF_BODIES * (high - low)
-    changes = np.diag(steps)
-    return np.concatenate((point + changes, point - changes)), steps
+class _Neighbors(NamedTuple):
+    """Points around one, for central differences."""
+
+    points: Table
+    """That point with every number in turn a step larger, then with every number a step smaller."""
+    steps: Point
+    """The steps of the numbers."""
+
+    @classmethod
+    def of(cls, optimization: Optimization, point: Point) -> "_Neighbors":
+        """Return the neighbors of a point."""
+        low, high = optimization.box()
+        steps = STEP_OF_BODIES * (high - low)
+        changes = np.diag(steps)
+        return cls(np.concatenate((point + changes, point - changes)), steps)
+
+    def differentiate(
+        self, table: Float[np.ndarray, "n_points n_values"]
+    ) -> Float[np.ndarray, "n_values n_names"]:
+        """Return the derivatives of what a table holds for every neighbor."""
+        after, before = np.split(table, 2)
+        return ((after - before) / (2.0 * self.steps[:, np.newaxis])).T
 
 
 def _limit_speed(optimization: Optimization, swim: _Swim) -> _Differentiated:
@@ -184,8 +201,9 @@ def _limit_speed(optimization: Optimization, swim: _Swim) -> _Differentiated:
     least = optimization.least_velocity
     if least is None:
         return _no_limit(optimization)
-    speed, slope = swim.of(_least_speed(optimization))
-    return _Differentiated(np.array([1.0 - speed / least]), -slope[np.newaxis] / least)
+    speed = swim.find(_least_speed(optimization))
+    excess = np.array([1.0 - speed.value / least])
+    return _Differentiated(excess, -speed.slope[np.newaxis] / least)
 
 
 def _limit_battery(optimization: Optimization, point: Point, swim: _Swim) -> _Differentiated:
@@ -193,15 +211,15 @@ def _limit_battery(optimization: Optimization, point: Point, swim: _Swim) -> _Di
     if optimization.battery is None:
         return _no_limit(optimization)
     (body,) = find_bodies(optimization, point[np.newaxis])
-    power, power_slope = swim.of(MEAN_POWER)
-    total_power = power + body.idle_power
-    speed, speed_slope = math.inf, np.zeros_like(point)
-    relative_slope = power_slope / total_power
+    power = swim.find(MEAN_POWER)
+    relative_slope = power.slope / (power.value + body.idle_power)
+    speed_value = math.inf
     if optimization.battery_range is not None:
-        speed, speed_slope = swim.of(speed_of_range(optimization.scenario))
-        relative_slope = relative_slope - speed_slope / speed
+        speed = swim.find(speed_of_range(optimization.scenario))
+        relative_slope = relative_slope - speed.slope / speed.value
+        speed_value = speed.value
     share = battery_share(
-        optimization, np.array([power]), np.array([speed]), np.array([body.idle_power])
+        optimization, np.array([power.value]), np.array([speed_value]), np.array([body.idle_power])
     )
     assert share is not None
     return _Differentiated(share - 1.0, share[:, np.newaxis] * relative_slope)
@@ -215,8 +233,8 @@ def _limit_joints(optimization: Optimization, point: Point, threads: int | None)
     steps = STEP_OF_PEAKS * (high - low)
     swum = optimization.to_swim(np.vstack((point, point + np.diag(steps))))
     columns = dict(zip(swum.names, swum.table.T, strict=True))
-    used = run_joint_shares(optimization.scenario, columns, n_windows=N_WINDOWS, threads=threads)
-    shares = used.reshape(-1, used.shape[-1]) / optimization.servo_share
+    peaks = run_joint_shares(optimization.scenario, columns, n_windows=N_WINDOWS, threads=threads)
+    shares = peaks.reshape(-1, peaks.shape[-1]) / optimization.servo_share
     near = shares[shares[:, 0] > LEAST_SHARE]
     return _Differentiated(near[:, 0] - 1.0, (near[:, 1:] - near[:, :1]) / steps)
 
@@ -225,12 +243,10 @@ def _limit_body(optimization: Optimization, point: Point) -> _Differentiated:
     """Return by how much the limits of the body are exceeded."""
     if not optimization.limits_body:
         return _no_limit(optimization)
-    table, steps = _table_of_differences(optimization, point)
-    bodies = find_bodies(optimization, np.vstack((point, table)))
+    neighbors = _Neighbors.of(optimization, point)
+    bodies = find_bodies(optimization, np.vstack((point, neighbors.points)))
     shares = np.array([_all_shares(optimization, body) for body in bodies])
-    after, before = np.split(shares[1:], 2)
-    jacobian = ((after - before) / (2.0 * steps[:, np.newaxis])).T
-    return _Differentiated(shares[0] - 1.0, jacobian)
+    return _Differentiated(shares[0] - 1.0, neighbors.differentiate(shares[1:]))
 
 
 def _all_shares(optimization: Optimization, body: BodyNumbers) -> np.ndarray:

@@ -213,14 +213,14 @@ class Optimization(Limits):
         """
         if not self.ballast:
             return Swum(self.names, points)
-        own = [i for i, name in enumerate(self.names) if strip_items(name) != MASS_OF_MODULES]
+        unchanged = [i for i, name in enumerate(self.names) if strip_items(name) != MASS_OF_MODULES]
         masses: list[list[float]] = []
         for scenario in self.bodies_at(points):
             masses.append(ballasted_masses(scenario.robot, scenario.environment.density))
         n_modules = self.scenario.robot.n_links
         names_of_masses = (f"robot.module[{i}].mass" for i in range(n_modules))
-        names = (*(self.names[i] for i in own), *names_of_masses)
-        return Swum(names, np.column_stack((points[:, own], masses)))
+        names = (*(self.names[i] for i in unchanged), *names_of_masses)
+        return Swum(names, np.column_stack((points[:, unchanged], masses)))
 
     def bodies_at(self, points: Table) -> list[Any]:
         """Return scenarios with the robots of some points, without ballast and with the gait as it is.
@@ -228,11 +228,11 @@ class Optimization(Limits):
         Args:
             points: The points, one per row.
         """
-        own = [i for i, name in enumerate(self.names) if not name.startswith("gait.")]
-        if not own:
+        of_body = [i for i, name in enumerate(self.names) if not name.startswith("gait.")]
+        if not of_body:
             return [self.scenario] * len(points)
-        names = tuple(self.names[i] for i in own)
-        return scenarios_at(self.scenario, names, points[:, own])
+        names = tuple(self.names[i] for i in of_body)
+        return scenarios_at(self.scenario, names, points[:, of_body])
 
     @property
     def takes_whole_numbers(self) -> bool:

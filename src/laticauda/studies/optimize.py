@@ -88,11 +88,11 @@ def optimize(
     check_whole_number("seed", seed, 0)
     if threads is not None:
         check_whole_number("threads", threads, 1)
-    chosen = choose_search(optimization, method, population=population, seed=seed, threads=threads)
-    check_whole_number("budget", budget, chosen.least_budget)
-    search = chosen.search
+    choice = choose_search(optimization, method, population=population, seed=seed, threads=threads)
+    check_whole_number("budget", budget, choice.least_budget)
+    search = choice.search
     path = None if folder is None else Path(folder)
-    definition = as_stored({**optimization.definition(), **chosen.settings})
+    definition = as_stored({**optimization.definition(), **choice.settings})
     checkpoint = Checkpoint(definition, len(optimization.names), path)
     with nullcontext() if path is None else owned(path, JOB, CHECKPOINT):
         checkpoint.load()

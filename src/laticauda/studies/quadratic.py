@@ -71,11 +71,11 @@ def _solve_convex(slope: Point, curvature: Matrix, sides: Matrix, ends: np.ndarr
     system = np.vstack((sides_of_y.T, ends_of_y))
     target = np.zeros(slope.size + 1)
     target[-1] = 1.0
-    weights, residual = optimize.nnls(system, target, maxiter=30 * ends.size)
-    if residual**2 < FEASIBLE:
+    weights, distance = optimize.nnls(system, target, maxiter=30 * ends.size)
+    if distance**2 < FEASIBLE:
         return None
-    remainder = system @ weights - target
-    shortest = -remainder[:-1] / remainder[-1]
+    residuals = system @ weights - target
+    shortest = -residuals[:-1] / residuals[-1]
     return np.asarray(unlimited + np.linalg.solve(root.T, shortest), dtype=float)
 
 

@@ -46,12 +46,14 @@ def count_refusals(
             if battery is not None:
                 shares[BATTERY] = battery
         finite_shares = {
-            name: share for name, share in shares.items() if np.all(np.isfinite(share))
+            name: values for name, values in shares.items() if np.all(np.isfinite(values))
         }
         largest = largest_share(finite_shares)
-        name = largest.limit
+        limit = largest.limit
         if largest.share <= 1.0 + ROUNDING:
-            # Nothing of what is known: it did not swim, or it is too slow.
-            name = SPEED if np.isfinite(speed[i]) else JOINTS
-        counts[name] = counts.get(name, 0) + 1
+            # No share is too large: it did not swim, or it is too slow.
+            limit = JOINTS
+            if np.isfinite(speed[i]):
+                limit = SPEED
+        counts[limit] = counts.get(limit, 0) + 1
     return counts

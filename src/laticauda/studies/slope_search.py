@@ -16,6 +16,7 @@ from jaxtyping import Bool, Float
 
 from laticauda.studies.sampling import Table
 from laticauda.studies.search import Search
+from laticauda.studies.slopes import PointSlope, SlopeChange
 
 Point: TypeAlias = Float[np.ndarray, " n_names"]
 Slope: TypeAlias = Callable[[Point], Point | None]
@@ -132,7 +133,7 @@ class _QuasiNewton:
     def forget(self) -> None:
         """Begin anew at another point."""
         self._inverse: np.ndarray | None = None
-        self._last: tuple[Point, Point] | None = None
+        self._last: PointSlope | None = None
 
     def find_change(self, point: Point, slope: Point) -> Point | None:
         """Return the longest change to try from a point; None if the loss falls in no direction within the bounds.
@@ -165,18 +166,17 @@ class _QuasiNewton:
     def _learn(self, point: Point, slope: Point) -> None:
         """Improve the inverse curvature by the change of the slope since the last point (BFGS)."""
         last = self._last
-        self._last = point, slope
+        self._last = PointSlope(point, slope)
         if last is None:
             return
-        last_point, last_slope = last
-        step = point - last_point
-        turn = slope - last_slope
-        curvature = float(step @ turn)
-        size = float(np.linalg.norm(step) * np.linalg.norm(turn))
-        if curvature > LEAST_CURVATURE * size:
-            self._update(step, turn, curvature)
+        change = last.change_to(self._last)
+        if change.curvature > LEAST_CURVATURE * change.largest_curvature:
+            self._update(change)
 
-    def _update(self, step: Point, turn: Point, curvature: float) -> None:
+    def _update(self, change: SlopeChange) -> None:
+        step = change.step
+        turn = change.turn
+        curvature = change.curvature
         identity = np.eye(self._size)
         inverse = self._inverse
         if inverse is None:

@@ -6,7 +6,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -27,6 +27,7 @@ GAIT_HEIGHT = 1.5
 MARGINS = 1.0
 """Height of titles and labels [in]."""
 SMALL: Any = {"fontsize": style.TICK - 2.0, "ha": "center", "va": "center", "color": "white"}
+"""Look of the numbers on modules."""
 
 
 @dataclass(frozen=True)
@@ -124,20 +125,27 @@ def _pieces(robot: Robot, widths: Sequence[float], fin_width: float) -> list[Pie
     return pieces
 
 
-def _find_extent(robots: Sequence[Robot]) -> tuple[float, float]:
-    """Return the length and the width that all views need [mm]."""
+class _Extent(NamedTuple):
+    """What all views need."""
+
+    length: float
+    """Length along the body [mm]."""
+    width: float
+    """Width across it [mm]."""
+
+
+def _find_extent(robots: Sequence[Robot]) -> _Extent:
+    """Return the extent of the largest views."""
     pieces: list[Piece] = []
     for robot in robots:
         pieces += side_view(robot)
         pieces += plan_view(robot)
     length = max(piece.begin + piece.length for piece in pieces)
     width = max(piece.width for piece in pieces)
-    return length, width
+    return _Extent(length, width)
 
 
-def _draw_view(
-    ax: Axes, pieces: Sequence[Piece], extent: tuple[float, float], color: str, title: str
-) -> None:
+def _draw_view(ax: Axes, pieces: Sequence[Piece], extent: _Extent, color: str, title: str) -> None:
     """Draw one view, true to scale."""
     for piece in pieces:
         corner = (piece.begin, -0.5 * piece.width)
