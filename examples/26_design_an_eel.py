@@ -52,7 +52,7 @@ print(f"{front.n_trials} points, {front.n_slope_trials} trials for slopes")
 for title, design in (("before", before), ("after", after)):
     print(f"{title}: {design.trial.forward_velocity:.3f} m/s")
     for use in design.uses:
-        print(f"   {use.limit}: {100 * use.share:.0f} %, {use.words}")
+        print(f"   {use.limit}: {100 * use.share:.0f} %, {use.description}")
 print("it comes up against:", ", ".join(after.active))
 designed = replace(after.scenario.robot, name="eel-design")
 servos = lc.swim(designed, after.scenario.gait, 8.0, joints="servo")
