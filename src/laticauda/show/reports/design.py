@@ -26,8 +26,10 @@ GAIT_HEIGHT = 1.5
 """Height of the panels of the gaits [in]."""
 MARGINS = 1.0
 """Height of titles and labels [in]."""
-SMALL: Any = {"fontsize": style.TICK - 2.0, "ha": "center", "va": "center", "color": "white"}
-"""Look of the numbers on modules."""
+SMALL: Any = {"fontsize": style.TICK - 1.0, "ha": "center"}
+"""Look of the numbers beside modules."""
+GAP = 4.0
+"""Distance of the numbers from modules [mm]."""
 
 
 @dataclass(frozen=True)
@@ -168,15 +170,17 @@ def _draw_view(ax: Axes, pieces: Sequence[Piece], extent: _Extent, color: str, t
     ax.set_yticks(
         [-0.5 * width, 0.0, 0.5 * width], [f"{-0.5 * width:.0f}", "0", f"{0.5 * width:.0f}"]
     )
-    ax.text(1.0, 0.98, title, transform=ax.transAxes, ha="right", va="top", fontsize=style.TICK)
+    ax.text(1.0, 1.06, title, transform=ax.transAxes, ha="right", va="top", fontsize=style.TICK)
 
 
 def _write_numbers(ax: Axes, robot: Robot) -> None:
-    """Write the length and the mass of every module on its plan view."""
+    """Write the length of every module above its plan view, and its mass below."""
     pieces = plan_view(robot)[-robot.n_links :]
     for piece, module in zip(pieces, robot.modules, strict=True):
         middle = piece.begin + 0.5 * piece.length
-        ax.text(middle, 0.0, f"{piece.length:.0f}\n{module.mass:.2f}", **SMALL)
+        above = 0.5 * piece.width + GAP
+        ax.text(middle, above, f"{piece.length:.0f}", va="bottom", **SMALL)
+        ax.text(middle, -above, f"{module.mass:.2f}", va="top", **SMALL)
 
 
 def _draw_gaits(scenarios: Sequence[Scenario], amplitude: Axes, phase: Axes) -> None:
