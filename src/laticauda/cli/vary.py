@@ -241,14 +241,14 @@ def _match_name_of_parts(typed_name: str, parameters: Parameters) -> TypedParame
 
 def _list_tapers(parameters: Parameters) -> dict[str, Parameter]:
     """Return the numbers of all tapers along the body, which are not listed themselves."""
-    found: dict[str, Parameter] = {}
+    numbers_of_tapers: dict[str, Parameter] = {}
     for parameter in parameters.values():
         quantity = parameter.name.removeprefix("robot.module.")
         for number in tapers.TITLES:
             name = f"robot.{tapers.TAPER}.{quantity}.{number}"
             if name in parameters:
-                found[name] = parameters[name]
-    return found
+                numbers_of_tapers[name] = parameters[name]
+    return numbers_of_tapers
 
 
 def _accepted_names(parameter: Parameter) -> dict[str, float]:

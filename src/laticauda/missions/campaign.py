@@ -263,16 +263,16 @@ def run_campaign(
         table_path = share.file(table_path)
     with open_table(table_path) as table:
         table.check_campaign(name_of_campaign(scenario, conditions))
-        done = table.seeds
-        left = [seed for seed in seeds if seed not in done]
-        n_wanted = len(seeds)
-        n_stored = n_wanted - len(left)
-        progress(n_stored, n_wanted)
-        with closing(_run_batches(scenario, conditions, left, at_once, client)) as batches:
+        stored_seeds = table.seeds
+        missing_seeds = [seed for seed in seeds if seed not in stored_seeds]
+        n_runs = len(seeds)
+        n_stored = n_runs - len(missing_seeds)
+        progress(n_stored, n_runs)
+        with closing(_run_batches(scenario, conditions, missing_seeds, at_once, client)) as batches:
             for rows in batches:
                 table.append(rows)
                 n_stored += len(rows)
-                progress(n_stored, n_wanted)
+                progress(n_stored, n_runs)
         table.sort()
         return table.rows
 
@@ -350,17 +350,16 @@ def merge_campaign(path: str | Path, seeds: Sequence[int]) -> MergedCampaign:
         for stored_share in stored_shares:
             with open_table(stored_share.path) as share_table:
                 _check_same_campaign(share_table, table)
-                done = table.seeds
-                table.append([row for row in share_table.rows if row.seed not in done])
+                stored_seeds = table.seeds
+                table.append([row for row in share_table.rows if row.seed not in stored_seeds])
         table.sort()
-    done = table.seeds
+    merged_seeds = table.seeds
     unfinished: list[Share] = []
     for share in list_shares(stored_shares):
-        if not done.issuperset(seeds_of_share(share, seeds)):
+        if not merged_seeds.issuperset(seeds_of_share(share, seeds)):
             unfinished.append(share)
-    return MergedCampaign(
-        rows=table.rows, n_done=len(done.intersection(seeds)), unfinished=tuple(unfinished)
-    )
+    n_done = len(merged_seeds.intersection(seeds))
+    return MergedCampaign(rows=table.rows, n_done=n_done, unfinished=tuple(unfinished))
 
 
 def _check_same_campaign(share_table: CampaignTable, table: CampaignTable) -> None:

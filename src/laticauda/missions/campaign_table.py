@@ -167,26 +167,26 @@ def read_rows(path: Path) -> list[MissionRow]:
     if _format_header().encode().startswith(content):  # not even the header is complete
         return []
     text = _leave_out_torn_row(content).decode()
-    kinds = {field.name: field.type for field in fields(MissionRow)}
+    types = {field.name: field.type for field in fields(MissionRow)}
     rows: list[MissionRow] = []
     reader = csv.DictReader(io.StringIO(text))
-    if reader.fieldnames != list(kinds):
+    if reader.fieldnames != list(types):
         raise BadArgument("table", f"must be a table of a campaign of missions, got {path}")
-    for texts in reader:
+    for cells in reader:
         values: dict[str, Any] = {
-            name: _value_of(kinds[name], text) for name, text in texts.items()
+            name: _value_of(cell, types[name]) for name, cell in cells.items()
         }
         rows.append(MissionRow(**values))
     return sorted(rows, key=lambda row: row.seed)
 
 
-def _value_of(kind: object, text: str) -> str | int | float:
-    """Return the value of a field in a file."""
-    if kind is int:
-        return int(text)
-    if kind is float:
-        return float(text)
-    return text
+def _value_of(cell: str, field_type: object) -> str | int | float:
+    """Return the value in a cell of a file."""
+    if field_type is int:
+        return int(cell)
+    if field_type is float:
+        return float(cell)
+    return cell
 
 
 def _format_header() -> str:
@@ -198,8 +198,11 @@ def _format_rows(rows: Sequence[MissionRow]) -> str:
     text = io.StringIO(newline="")
     writer = csv.writer(text, lineterminator="\n")
     for row in rows:
-        cells = [
-            f"{value:.5g}" if isinstance(value, float) else value for value in asdict(row).values()
-        ]
-        writer.writerow(cells)
+        writer.writerow([_format_cell(value) for value in asdict(row).values()])
     return text.getvalue()
+
+
+def _format_cell(value: str | int | float) -> str:
+    if isinstance(value, float):
+        return f"{value:.5g}"
+    return str(value)

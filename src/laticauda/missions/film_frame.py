@@ -32,7 +32,9 @@ SCALE = 2.0
 WIDE_ENOUGH = 0.07
 """Share of the time that a phase takes at least if its name stands on the bar."""
 WATER_COLOR = "#F3F9FB"
+"""Very light, so that arrows and lines stand out from it."""
 FAILURE_COLOR = "#C00000"
+"""A red that no phase has."""
 NAME_OF_PHASE: Any = {"color": "white", "fontsize": style.TICK, "ha": "center", "va": "center"}
 """Look of the name of a phase on the bar."""
 SCALE_LINE: Any = {"color": style.INK, "linewidth": 1.5, "solid_capstyle": "butt"}
@@ -60,9 +62,9 @@ def add_map(figure: Figure, result: MissionResult) -> Axes:
     ax = figure.add_axes(MAP_BOX)
     ax.set_facecolor(WATER_COLOR)
     draw_places(ax, places)
-    shown = np.vstack((result.trial.center_of_mass[:, :2], *outlines_of(places)))
-    low = shown.min(axis=0) - MARGIN
-    high = shown.max(axis=0) + MARGIN
+    points = np.vstack((result.trial.center_of_mass[:, :2], *outlines_of(places)))
+    low = points.min(axis=0) - MARGIN
+    high = points.max(axis=0) + MARGIN
     _, _, width, height = MAP_BOX
     box = np.array((width * WIDTH, height * HEIGHT))
     middle = 0.5 * (low + high)

@@ -180,10 +180,10 @@ class Mission(Controller[MissionState]):
         if phase.avoids:
             steering = self.avoidance.correct(steering, estimate)
         if phase.depth is not None:
-            kept = self.depth_keeping.step(state.depth_keeping, phase.depth, estimate)
-            state = replace(state, depth_keeping=kept)
-            if kept is not None:
-                steering = replace(steering, pitch_offset=kept.offset)
+            depth_state = self.depth_keeping.step(state.depth_keeping, phase.depth, estimate)
+            state = replace(state, depth_keeping=depth_state)
+            if depth_state is not None:
+                steering = replace(steering, pitch_offset=depth_state.offset)
         offset = self.helm.offset_of(steering, estimate)
         signals = _signals(state, estimate, offset)
         if self._steers_depth:

@@ -70,9 +70,10 @@ def measure_wake(
         ValueError: If the robot did not swim straight for two cycles in still or uniform water, or if no
             street of its width carries that thrust.
     """
-    water, period = _check_leader(trial, pairs)
+    leader = _Leader.of(trial, pairs)
+    period = leader.period
     beat = measure_tail_beat(trial, period)
-    current = np.array(water.uniform)
+    current = np.array(leader.water.uniform)
     through_water = beat.velocity - current[:2]
     forward_x, forward_y = through_water.tolist()
     speed = math.hypot(forward_x, forward_y)
@@ -81,14 +82,7 @@ def measure_wake(
     cosine_part, sine_part = (beat.harmonic @ to_the_left).tolist()
     width = 2.0 * math.hypot(cosine_part, sine_part)
 
-    if thrust is None:
-        thrust = metrics.towing_drag(trial.chain, water, speed)
-    if span is None:
-        span = tail_height(trial.chain)
-    check_positive("thrust", thrust, "N")
-    check_positive("span", span, "m")
-    flux = thrust / (water.density * span)
-    circulation = find_circulation(flux, speed, period, width)
+    flux = leader.momentum_flux(speed, thrust, span)
     if core is None:
         core = CORE_SHARE * min(width, 0.5 * speed * period)
     x, y = beat.position.tolist()
@@ -96,7 +90,7 @@ def measure_wake(
         speed=speed,
         period=period,
         width=width,
-        circulation=circulation,
+        circulation=find_circulation(flux, speed, period, width),
         core=core,
         viscosity=viscosity,
         direction=direction,
@@ -104,29 +98,53 @@ def measure_wake(
         y=y,
         phase=math.atan2(cosine_part, sine_part),
         pairs=pairs,
-        mean=water.uniform,
+        mean=leader.water.uniform,
     )
 
 
-def _check_leader(trial: Contents, pairs: int) -> tuple[Water, float]:
-    """Return the water and the period of a leader; refuse one that leaves no straight street."""
-    water = trial.environment
-    if not isinstance(water, Water) or water.flow is not None:
-        raise BadArgument(
-            "environment", "must be still or uniform water for a wake, got another one"
-        )
-    trial.need("a wake", "link_angle")
-    period = trial.period
-    turning_rate = metrics.turning_rate(trial)
-    assert period is not None  # it has a turning rate
-    turn = abs(turning_rate) * pairs * period
-    if turn > LARGEST_TURN:
-        raise BadArgument(
-            "trial",
-            f"must be straight for a wake: within {math.degrees(LARGEST_TURN):.0f} deg "
-            f"in {pairs} cycles, got {math.degrees(turn):.0f} deg",
-        )
-    return water, period
+class _Leader(NamedTuple):
+    """A robot that leaves a straight street of vortices."""
+
+    robot: Robot
+    """The robot, as it lies in the plane."""
+    water: Water
+    """Its water, still or uniform."""
+    period: float
+    """Period of its tail beat [s]."""
+
+    @classmethod
+    def of(cls, trial: Contents, pairs: int) -> "_Leader":
+        """Return the robot of a trial; refuse one that turns while a street of so many pairs lives."""
+        water = trial.environment
+        if not isinstance(water, Water) or water.flow is not None:
+            raise BadArgument(
+                "environment", "must be still or uniform water for a wake, got another one"
+            )
+        trial.need("a wake", "link_angle")
+        period = trial.period
+        turning_rate = metrics.turning_rate(trial)
+        assert period is not None  # it has a turning rate
+        turn = abs(turning_rate) * pairs * period
+        if turn > LARGEST_TURN:
+            raise BadArgument(
+                "trial",
+                f"must be straight for a wake: within {math.degrees(LARGEST_TURN):.0f} deg "
+                f"in {pairs} cycles, got {math.degrees(turn):.0f} deg",
+            )
+        return cls(robot=trial.chain, water=water, period=period)
+
+    def momentum_flux(self, speed: float, thrust: float | None, span: float | None) -> float:
+        """Return the flux of momentum that carries a thrust, per density and per span [m^3/s^2].
+
+        Without a thrust, it is the straight robot's drag; without a span, the height of its tail.
+        """
+        if thrust is None:
+            thrust = metrics.towing_drag(self.robot, self.water, speed)
+        if span is None:
+            span = tail_height(self.robot)
+        check_positive("thrust", thrust, "N")
+        check_positive("span", span, "m")
+        return thrust / (self.water.density * span)
 
 
 def measure_tail_beat(trial: Contents, period: float) -> TailBeat:
@@ -139,8 +157,8 @@ def measure_tail_beat(trial: Contents, period: float) -> TailBeat:
     Raises:
         ValueError: If the run is too short for one cycle.
     """
-    part = cycles.steady_part(trial.time, period)
-    is_steady = trial.time >= part.start
+    steady_part = cycles.steady_part(trial.time, period)
+    is_steady = trial.time >= steady_part.start
     time = trial.time[is_steady] - trial.time[-1]
     posture = Posture(
         trial.chain,
@@ -210,12 +228,12 @@ class WakeOfTrial(Flow):
         measured = _measure_file(
             self.source, self.digest, core=self.core, viscosity=self.viscosity, pairs=self.pairs
         )
-        placed: dict[str, Any] = {}
+        changes: dict[str, Any] = {}
         for name in ("x", "y", "phase"):
             value = getattr(self, name)
             if value is not None:
-                placed[name] = value
-        return replace(measured, **placed)
+                changes[name] = value
+        return replace(measured, **changes)
 
     @property
     def parts(self) -> tuple[Flow, ...]:

@@ -73,20 +73,20 @@ def stack_networks(networks: Sequence[NeuralGait[Any]]) -> NeuralGait[Any] | Non
     Args:
         networks: The networks, of one class.
     """
-    stacked = _stack_values(networks, but=OF_EACH)
+    stacked = _stack_values(networks, unstacked=OF_EACH)
     if stacked is not None:
         vars(stacked)["members"] = tuple(networks)
     return stacked
 
 
-def _stack_values(values: Sequence[Any], but: Sequence[str] = ()) -> Any:
+def _stack_values(values: Sequence[Any], unstacked: Sequence[str] = ()) -> Any:
     """Return a value whose numbers are columns with one row per value; None if they differ in more than numbers."""
     class_of_values: type[Any] = values[0].__class__
     stacked: Any = object.__new__(class_of_values)
     for field in fields(class_of_values):
         contents = [getattr(value, field.name) for value in values]
         content = contents[0]
-        if field.name in but:
+        if field.name in unstacked:
             pass
         elif type(content) is float:
             content = np.array(contents)[:, np.newaxis]
@@ -115,6 +115,7 @@ class VectorNetworks(VectorController):
         self._drives: Drives | None = None
         self._steering: Any = None
         self._steered_at = -math.inf
+        """Time at which they were steered last [s]."""
         first_steering = network.members[0].steering
         if first_steering is not None:
             self._steering = vectorize([_steering_of(member) for member in network.members])
@@ -129,23 +130,23 @@ class VectorNetworks(VectorController):
         n_joints = observations.joint_angle.shape[1]
         if self._drives is None:
             self._drives = Drives(self._network.members, n_joints)
-        now = float(observations.time.max())
-        self._steer(self._drives, observations, now)
+        time = float(observations.time.max())
+        self._steer(self._drives, observations, time)
         drive = self._drives.drive
         if self._neurons is None:
             self._neurons = self._network.begin(drive)
-        elapsed = now - self._time
+        elapsed = time - self._time
         if elapsed > 0.0:
             self._neurons = self._network.advance(self._neurons, drive, observations, elapsed)
-        self._time = now
+        self._time = time
         self.signals = cast("Mapping[str, np.ndarray]", self._network.watch(self._neurons))
         return {REFERENCES: self._network.references(self._neurons, drive)}
 
-    def _steer(self, drives: "Drives", observations: Observations, now: float) -> None:
+    def _steer(self, drives: "Drives", observations: Observations, time: float) -> None:
         """Ask the controllers that steer, if it is their turn."""
-        if self._steering is None or now < self._steered_at + self._steering_interval - ROUNDING:
+        if self._steering is None or time < self._steered_at + self._steering_interval - ROUNDING:
             return
-        self._steered_at = now
+        self._steered_at = time
         decisions = self._steering.step(observations)
         if isinstance(decisions, Mapping):
             checked = check_decisions(cast("Mapping[str, Any]", decisions), observations.is_well)

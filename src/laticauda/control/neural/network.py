@@ -329,11 +329,11 @@ class NeuralGait(Controller[NetworkState[Neurons]], Generic[Neurons]):
 
     def _stack(self, method: str, n_joints: int) -> np.ndarray:
         """Return what a method returns for every network that this one stands for, computed once."""
-        kept: dict[Any, np.ndarray] = vars(self).setdefault("_stacked", {})
-        if (method, n_joints) not in kept:
-            rows = [getattr(member, method)(n_joints) for member in self.members]
-            kept[method, n_joints] = np.stack(rows)
-        return kept[method, n_joints]
+        stacks: dict[Any, np.ndarray] = vars(self).setdefault("_stacks", {})
+        if (method, n_joints) not in stacks:
+            results = [getattr(member, method)(n_joints) for member in self.members]
+            stacks[method, n_joints] = np.stack(results)
+        return stacks[method, n_joints]
 
 
 def _moved(neurons: Neurons, rates: Neurons, dt: float) -> Neurons:

@@ -65,11 +65,11 @@ class PhaseOscillators(NeuralGait[Oscillators]):
         Args:
             drive: What is asked of them.
         """
-        rest = np.zeros(drive.n_joints)
+        at_rest = np.zeros(drive.n_joints)
         return Oscillators(
             phase=self.initial_phases(drive),
-            amplitude=rest,
-            amplitude_rate=rest,
+            amplitude=at_rest,
+            amplitude_rate=at_rest,
             offset=0.0,
             offset_rate=0.0,
         )

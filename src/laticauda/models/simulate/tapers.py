@@ -126,8 +126,8 @@ def _flatten(changes: Mapping[str, Any]) -> dict[str, float]:
     flat: dict[str, float] = {}
     for step, change in changes.items():
         if isinstance(change, Mapping):
-            inner = cast("Mapping[str, Any]", change)
-            flat |= {f"{step}.{path}": value for path, value in _flatten(inner).items()}
+            table = cast("Mapping[str, Any]", change)
+            flat |= {f"{step}.{path}": value for path, value in _flatten(table).items()}
         else:
             flat[step] = change
     return dict(sorted(flat.items(), key=lambda item: item[0].endswith("bulge")))
@@ -151,12 +151,12 @@ def _with_values(robot: Robot, quantity: str, values: Float[np.ndarray, " n_modu
 
 def _shape_of(number: str, n_modules: int) -> Float[np.ndarray, " n_modules"]:
     """Return how much of a number's change each module gets."""
-    along = np.linspace(0.0, 1.0, n_modules)
+    position = np.linspace(0.0, 1.0, n_modules)
     if number == "tail":
-        return 1.0 - along
+        return 1.0 - position
     if number == "head":
-        return along
-    parabola = along * (1.0 - along)
+        return position
+    parabola = position * (1.0 - position)
     return parabola / _middle_of(parabola)
 
 

@@ -51,14 +51,16 @@ class _TrailedVortex(LambOseen):
 
     advance_x: float = quantity("m/s", "Velocity of the tail over ground, along x")
     advance_y: float = quantity("m/s", "The same, along y")
-    begun: float = quantity("s", "Time at which it first begins to grow, at its initial place")
+    first_begin: float = quantity(
+        "s", "Time at which it first begins to grow, at its initial place"
+    )
     life: float = quantity("s", "Time from one beginning to the next", gt=0.0)
     growth: float = quantity("s", "Time in which it grows", gt=0.0)
     fading: float = quantity("s", "Time in which it fades, at the end of its life", gt=0.0)
 
     def __call__(self, x: float, y: float, z: float, t: float) -> tuple[float, ...]:
         """Return the motion of the water, see `Flow.__call__`."""
-        time_since_first = t - self.begun
+        time_since_first = t - self.first_begin
         lives = time_since_first / self.life
         time_of_earlier_lives = self.life * np.floor(lives.real)
         age = time_since_first - time_of_earlier_lives
@@ -164,11 +166,11 @@ class Wake(Flow):
         half_growth = growth / 2.0
         cycles_to_turn = 0.5 - 0.25 * side - 0.5 * self.phase / math.pi
         first_turn = cycles_to_turn * self.period
-        aside = 0.5 * side * self.width
+        left_of_way = 0.5 * side * self.width
         vortices: list[_TrailedVortex] = []
         for k in range(self.pairs):
             turn = first_turn + k * self.period
-            begun = turn - half_growth
+            first_begin = turn - half_growth
             # It begins where its drift takes it to the place of the turn in time.
             drift_x = velocity_x * half_growth
             drift_y = velocity_y * half_growth
@@ -177,13 +179,13 @@ class Wake(Flow):
                     circulation=-side * self.circulation,
                     core=self.core,
                     viscosity=self.viscosity,
-                    x=self.x - aside * s + advance_x * turn - drift_x,
-                    y=self.y + aside * c + advance_y * turn - drift_y,
+                    x=self.x - left_of_way * s + advance_x * turn - drift_x,
+                    y=self.y + left_of_way * c + advance_y * turn - drift_y,
                     velocity_x=velocity_x,
                     velocity_y=velocity_y,
                     advance_x=advance_x,
                     advance_y=advance_y,
-                    begun=begun,
+                    first_begin=first_begin,
                     life=self.pairs * self.period,
                     growth=growth,
                     fading=self.period,
@@ -223,8 +225,8 @@ def flux_of_street(speed: float, period: float, width: float, circulation: float
     """
     spacing = find_spacing(speed, period, width, circulation)
     drift = spacing / period - speed
-    of_jet = circulation * width / spacing * (speed + 2.0 * drift)
-    return of_jet - circulation**2 / (2.0 * math.pi * spacing)
+    flux_of_jet = circulation * width / spacing * (speed + 2.0 * drift)
+    return flux_of_jet - circulation**2 / (2.0 * math.pi * spacing)
 
 
 def find_circulation(flux: float, speed: float, period: float, width: float) -> float:
