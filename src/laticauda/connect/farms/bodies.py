@@ -55,6 +55,15 @@ UNMOVED = Placement(np.zeros(3), np.eye(3))
 """Placement of a frame in itself."""
 
 
+class Limits(NamedTuple):
+    """Between which values something may be; infinite where it has no limit."""
+
+    low: float
+    """The least one."""
+    high: float
+    """The largest one."""
+
+
 class Extent(NamedTuple):
     """What a body covers along a direction, from the origin of the common frame."""
 

@@ -15,6 +15,7 @@ from laticauda.connect.farms.remarks import ALIKE, Remarks
 from laticauda.values import wrap_to_pi
 
 COUPLINGS_OF_A_BOND = 4
+"""Couplings of a bond of full strength: two sides in two directions."""
 ANGLES_ALIKE = math.radians(1.0)
 """Difference up to which angles are one [rad]."""
 

@@ -32,9 +32,9 @@ FARMS_WATER = Water(
 class Drag(NamedTuple):
     """Drag of a segment per squared speed."""
 
-    along: float
+    axial: float
     """Along the body [N s^2/m^2]."""
-    across: float
+    lateral: float
     """Across the body [N s^2/m^2]."""
 
 
@@ -61,7 +61,7 @@ def add_drag(
         )
         for segment in reversed(spine.segments)
     ]
-    if not any(drag.along or drag.across for drag in drags):
+    if not any(drag.axial or drag.lateral for drag in drags):
         return None
     modules = [_with_drag(*pair) for pair in zip(robot.modules, drags, strict=True)]
     return replace(robot, modules=tuple(modules))
@@ -76,8 +76,8 @@ def _with_drag(module: Module, drag: Drag) -> Module:
     half_density = 0.5 * FARMS_WATER.density
     return replace(
         module,
-        tangential_friction=drag.along / (half_density * surface),
-        normal_drag=drag.across / (half_density * side),
+        tangential_friction=drag.axial / (half_density * surface),
+        normal_drag=drag.lateral / (half_density * side),
     )
 
 
@@ -88,21 +88,21 @@ def _drag_of(
     remarks: Remarks,
 ) -> Drag:
     """Return the drag of a segment."""
-    along = 0.0
-    across = 0.0
+    axial = 0.0
+    lateral = 0.0
     for body in segment:
         entry = links.get(body.name)
         if entry is None or not entry.flag("fluid_interaction", entry.flag("swimming", True)):
             continue
         linear, angular = entry.lists_of_numbers("drag_coefficients", 2, 3)
-        along += _along(body, spine.forward, linear)
-        across += _along(body, spine.left, linear)
+        axial += _coefficient_along(body, spine.forward, linear)
+        lateral += _coefficient_along(body, spine.left, linear)
         if any(angular):
             remarks.append(f"drag of link `{body.name}` against turning")
-    return Drag(along, across)
+    return Drag(axial=axial, lateral=lateral)
 
 
-def _along(
+def _coefficient_along(
     body: Body,
     direction: Vector,
     coefficients: Sequence[float],

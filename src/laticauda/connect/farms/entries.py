@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple, cast
 
+from laticauda.connect.farms.bodies import Limits
 from laticauda.values import RobotFileError, optional_import, show_value
 from laticauda.values.files import read_text
 
@@ -87,7 +88,7 @@ class Entry(NamedTuple):
         numbers += [default] * (count - len(numbers))
         return numbers
 
-    def limits(self, key: str) -> tuple[float, float]:
+    def limits(self, key: str) -> Limits:
         """Return the least and the largest value of something; infinite if the file gives no list.
 
         Args:
@@ -95,14 +96,14 @@ class Entry(NamedTuple):
         """
         limits = self.table.get(key)
         if limits is None:
-            return -math.inf, math.inf
+            return Limits(low=-math.inf, high=math.inf)
         if not isinstance(limits, list) or len(cast(list[Any], limits)) != 2:
             raise self.error(key, f"must be a list of two numbers, got {_show(limits)}")
         low, high = cast(list[Any], limits)
         for limit in (low, high):
             if not isinstance(limit, int | float) or math.isnan(limit):
                 raise self.error(key, f"must be a list of two numbers, got {_show(limit)} in it")
-        return float(low), float(high)
+        return Limits(low=float(low), high=float(high))
 
     def lists_of_numbers(
         self,
@@ -122,10 +123,10 @@ class Entry(NamedTuple):
             lists = []
         if not isinstance(lists, list):
             raise self.error(key, f"must be a list of lists, got {_show(lists)}")
-        rows = cast(list[Any], lists)[:n_lists]
-        rows += [None] * (n_lists - len(rows))
+        contents = cast(list[Any], lists)[:n_lists]
+        contents += [None] * (n_lists - len(contents))
         names = [f"{key}[{i}]" for i in range(n_lists)]
-        holder = Entry(self.path, self.place, dict(zip(names, rows, strict=True)))
+        holder = Entry(self.path, self.place, dict(zip(names, contents, strict=True)))
         return [holder.numbers(name, count, 0.0) for name in names]
 
     def flag(

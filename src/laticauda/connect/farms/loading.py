@@ -42,11 +42,11 @@ def load_farms(
         if morphology is not None:
             rule = f"must not be given with {path.name}, which is one itself"
             raise BadArgument("morphology", rule)
-        nothing = Entry(path, "", {})
+        empty_entry = Entry(path, "", {})
         return Assembly(
             _read_morphology(path),
             path,
-            nothing,
+            empty_entry,
             head,
         ).build(drives)
     if ending not in ANIMAT_ENDINGS:
@@ -88,7 +88,7 @@ def _find_morphology(entry: Entry) -> Path:
     """Return the SDF file that an animat names, from its own folder or one above."""
     name = entry.text("sdf")
     folder = entry.path.absolute().parent
-    for place in (folder, *folder.parents):
-        if (place / name).is_file():
-            return place / name
+    for candidate in (folder, *folder.parents):
+        if (candidate / name).is_file():
+            return candidate / name
     raise entry.error("sdf", f"names {name}, which is not there; give the file as `morphology`")

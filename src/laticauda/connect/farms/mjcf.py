@@ -100,7 +100,8 @@ class _Reader:
     ) -> Body:
         """Return a body in the frame of the world."""
         model, data = self.model, self.data
-        parent, hinge = None, None
+        parent = None
+        hinge = None
         if number != root:
             parent = self._name_of(int(model.body_parentid[number]))
         if number != root and number in hinges:
@@ -125,7 +126,8 @@ class _Reader:
     def _read_hinge(self, number: int) -> Hinge:
         """Return a hinge in the frame of the world."""
         joint = self.model.joint(number)
-        lower, upper = -math.inf, math.inf
+        lower = -math.inf
+        upper = math.inf
         if self.model.jnt_limited[number]:
             lower, upper = joint.range.tolist()
         return Hinge(

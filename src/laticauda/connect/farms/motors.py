@@ -84,8 +84,8 @@ def _build_servos(motors: Sequence[Entry], remarks: Remarks) -> Drivetrain:
 def _build_servo(motor: Entry) -> Actuator | None:
     """Return a servo; None if the motor has no gain."""
     stiffness, damping = motor.numbers("gains", 2, 0.0)
-    low, high = motor.limits("limits_torque")
-    stall_torque = min(-low, high)
+    torque_limits = motor.limits("limits_torque")
+    stall_torque = min(-torque_limits.low, torque_limits.high)
     if stiffness <= 0.0 or stall_torque <= 0.0:
         return None
     stall_torque = min(stall_torque, stiffness * LARGEST_ERROR)

@@ -75,10 +75,10 @@ def build_network(
     frequencies = [oscillator.frequency for oscillator in oscillators]
     rates = [oscillator.rate for oscillator in oscillators]
     bonds = find_bonds(file, pairs, remarks)
-    bound = [bond for bond in bonds if bond.strength > 0.0]
+    whole_bonds = [bond for bond in bonds if bond.strength > 0.0]
     coupling = 0.0
-    if bound:
-        strengths = [bond.strength for bond in bound]
+    if whole_bonds:
+        strengths = [bond.strength for bond in whole_bonds]
         coupling = remarks.add_mean("coupling", strengths, "1/s")
     amplitudes = np.array([_amplitude(file, joint) for joint in joints])
     sense = _sense_of_largest(amplitudes)
@@ -86,7 +86,7 @@ def build_network(
         sense * amplitudes,
         offsets=[_offset(file, joint, drives) for joint in joints],
         frequency=remarks.add_mean("frequency", frequencies, "rad/s"),
-        lag=mean_lag(bound, remarks),
+        lag=mean_lag(whole_bonds, remarks),
         remarks=remarks,
     )
     _list_what_is_left(file, pairs, remarks)
@@ -94,12 +94,7 @@ def build_network(
         gait=gait,
         coupling=coupling,
         amplitude_rate=SAME_RATE * remarks.add_mean("rate", rates, "1/s"),
-        feedback=_read_feedback(
-            entry,
-            joints,
-            sense,
-            remarks,
-        ),
+        feedback=_read_feedback(entry, joints, sense, remarks),
         cuts=tuple(joint for joint, bond in enumerate(bonds) if bond.strength == 0.0),
     )
 

@@ -8,7 +8,7 @@ of an elliptic cylinder with the same mass and moments of inertia.
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -108,12 +108,13 @@ def _build_module(spine: Spine, index: int) -> Module:
     if sum(body.mass for body in bodies) <= WEIGHTLESS:
         raise ValueError(f"its link `{name}` is part of the spine and must have a mass")
     lump = Lump.of(bodies)
-    front, rear = _find_ends(spine, index, lump)
-    length = float(np.linalg.norm(front - rear))
+    ends = _find_ends(spine, index, lump)
+    span = ends.front - ends.rear
+    length = float(np.linalg.norm(span))
     if length <= 0.0:
         raise ValueError(f"its link `{name}` has no length: two joints are at one place")
-    direction = normalize(front - rear)
-    middle = 0.5 * (front + rear)
+    direction = normalize(span)
+    middle = 0.5 * (ends.front + ends.rear)
     center = float((lump.center - middle) @ direction)
     yaw_inertia = float(spine.up @ lump.inertia @ spine.up)
     section = _find_section(spine, bodies, lump)
@@ -129,30 +130,41 @@ def _build_module(spine: Spine, index: int) -> Module:
         raise ValueError(f"its link `{name}` cannot be a module: {refusal}") from None
 
 
+class _Ends(NamedTuple):
+    """Ends of a segment, in the common frame."""
+
+    front: Vector
+    """The one toward the head [m]."""
+    rear: Vector
+    """The one toward the tail [m]."""
+
+
 def _find_ends(
     spine: Spine,
     index: int,
     lump: Lump,
-) -> tuple[Vector, Vector]:
-    """Return the front and the rear end of a segment."""
+) -> _Ends:
+    """Return the ends of a segment."""
     hinges = spine.hinges
     if index == 0:
         rear = hinges[0].anchor
-        return _find_free_end(
+        front = _find_free_end(
             spine,
             index,
             rear,
             lump,
-        ), rear
-    front = hinges[index - 1].anchor
-    if index == len(hinges):
-        return front, _find_free_end(
-            spine,
-            index,
-            front,
-            lump,
         )
-    return front, hinges[index].anchor
+        return _Ends(front=front, rear=rear)
+    front = hinges[index - 1].anchor
+    if index < len(hinges):
+        return _Ends(front=front, rear=hinges[index].anchor)
+    rear = _find_free_end(
+        spine,
+        index,
+        front,
+        lump,
+    )
+    return _Ends(front=front, rear=rear)
 
 
 def _find_free_end(
@@ -183,15 +195,15 @@ def _find_section(
     lump: Lump,
 ) -> Section:
     """Return the section of the shapes of a segment, or that which its moments of inertia imply."""
-    across = extent_of(bodies, spine.left)
-    upward = extent_of(bodies, spine.up)
+    width = extent_of(bodies, spine.left)
+    height = extent_of(bodies, spine.up)
     kinds = {solid.kind for solid in solids_of(bodies)}
-    if across is None or upward is None or "mesh" in kinds:
+    if width is None or height is None or "mesh" in kinds:
         return _section_of_inertia(spine, bodies[0].name, lump)
     shape: Literal["ellipse", "box"] = "ellipse"
     if kinds == {"box"}:
         shape = "box"
-    return Section(half_height=upward.half, half_width=across.half, shape=shape)
+    return Section(half_height=height.half, half_width=width.half, shape=shape)
 
 
 def _section_of_inertia(
@@ -200,11 +212,11 @@ def _section_of_inertia(
     lump: Lump,
 ) -> Section:
     """Return the section of the elliptic cylinder with a segment's mass and moments of inertia."""
-    along = float(spine.forward @ lump.inertia @ spine.forward)
-    across = float(spine.left @ lump.inertia @ spine.left)
-    upward = float(spine.up @ lump.inertia @ spine.up)
-    square_of_width = 2.0 * (along + upward - across) / lump.mass
-    square_of_height = 2.0 * (along + across - upward) / lump.mass
+    roll_inertia = float(spine.forward @ lump.inertia @ spine.forward)
+    pitch_inertia = float(spine.left @ lump.inertia @ spine.left)
+    yaw_inertia = float(spine.up @ lump.inertia @ spine.up)
+    square_of_width = 2.0 * (roll_inertia + yaw_inertia - pitch_inertia) / lump.mass
+    square_of_height = 2.0 * (roll_inertia + pitch_inertia - yaw_inertia) / lump.mass
     if min(square_of_width, square_of_height) <= 0.0:
         need = "a collision shape, or moments of inertia that a body can have"
         raise ValueError(f"its link `{name}` needs {need}")

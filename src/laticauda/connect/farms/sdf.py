@@ -16,6 +16,7 @@ from laticauda.connect.farms.bodies import (
     UNMOVED,
     Body,
     Hinge,
+    Limits,
     Morphology,
     Placement,
     Solid,
@@ -37,6 +38,14 @@ MOMENTS = ("xx", "yy", "zz", "xy", "xz", "yz")
 """Axes of the moments of inertia."""
 ENDLESS = 1e15
 """Angle from which on a limit is none [rad]."""
+SOLID_OF_SHAPE: Mapping[str, SolidKind] = {
+    "box": "box",
+    "sphere": "ellipsoid",
+    "ellipsoid": "ellipsoid",
+    "cylinder": "cylinder",
+    "capsule": "capsule",
+}
+"""Kinds of the shapes that have a size of their own, by their tags."""
 
 
 class Joint(NamedTuple):
@@ -76,11 +85,11 @@ class _Reader:
             raise self._error("its model has no links")
         joints = self._read_joints(model, links)
         parents = {joint.child: joint.parent for joint in joints.values()}
-        order, loose = order_by_tree(list(links), parents, self.path)
-        if loose:
-            listed = ", ".join(loose)
-            self.remarks.append(f"links that no joint ties to `{order[0]}`: {listed}")
-        bodies = {name: self._read_body(name, links[name], joints.get(name)) for name in order}
+        tree = order_by_tree(list(links), parents, self.path)
+        if tree.loose:
+            names = ", ".join(tree.loose)
+            self.remarks.append(f"links that no joint ties to `{tree.names[0]}`: {names}")
+        bodies = {name: self._read_body(name, links[name], joints.get(name)) for name in tree.names}
         name = model.get("name") or self.path.stem
         return Morphology(name=name, bodies=bodies, remarks=self.remarks)
 
@@ -108,7 +117,8 @@ class _Reader:
         joints: dict[str, Joint] = {}
         for element in model.findall("joint"):
             name = str(element.get("name"))
-            parent, child = self._text(element, "parent"), self._text(element, "child")
+            parent = self._text(element, "parent")
+            child = self._text(element, "child")
             if parent == WORLD:
                 self.remarks.append(f"joint `{name}`, which fixes `{child}` in space")
                 continue
@@ -143,25 +153,26 @@ class _Reader:
         direction = self._numbers(axis, "xyz", 3)
         if not np.any(direction):
             raise self._error(f"the axis of joint `{joint.name}` must not be 0 0 0")
-        lower, upper = self._read_limits(axis)
+        limits = self._read_limits(axis)
         return Hinge(
             name=joint.name,
             anchor=anchor,
             axis=normalize(link.rotation @ direction),
-            lower=lower,
-            upper=upper,
+            lower=limits.low,
+            upper=limits.high,
             stiffness=self._number(axis, "dynamics/spring_stiffness", 0.0),
             damping=self._number(axis, "dynamics/damping", 0.0),
         )
 
-    def _read_limits(self, axis: ET.Element) -> tuple[float, float]:
+    def _read_limits(self, axis: ET.Element) -> Limits:
+        """Return the angles between which a hinge bends; infinite ones beyond `ENDLESS`."""
         lower = self._number(axis, "limit/lower", -math.inf)
         upper = self._number(axis, "limit/upper", math.inf)
         if lower <= -ENDLESS:
             lower = -math.inf
         if upper >= ENDLESS:
             upper = math.inf
-        return lower, upper
+        return Limits(low=lower, high=upper)
 
     # ---- links -----------------------------------------------------------------------------------
 
@@ -172,7 +183,9 @@ class _Reader:
         joint: Joint | None,
     ) -> Body:
         placement = self._pose(link)
-        mass, center, inertia = 0.0, placement.position, np.zeros((3, 3))
+        mass = 0.0
+        center = placement.position
+        inertia = np.zeros((3, 3))
         inertial = link.find("inertial")
         if inertial is not None:
             frame = placement.place(self._pose(inertial))
@@ -181,9 +194,11 @@ class _Reader:
                 raise self._error(f"the mass of link `{name}` must be positive, got {mass:g} kg")
             center = frame.position
             inertia = frame.turn(self._read_inertia(inertial))
-        hinge, parent = None, None
+        hinge = None
+        parent = None
         if joint is not None:
-            hinge, parent = self._read_hinge(joint, placement), joint.parent
+            hinge = self._read_hinge(joint, placement)
+            parent = joint.parent
         return Body(
             name=name,
             parent=parent,
@@ -227,14 +242,7 @@ class _Reader:
         size = self._read_half_size(shape)
         if size is None:
             return None
-        kind: SolidKind = "box"
-        if shape.tag in ("sphere", "ellipsoid"):
-            kind = "ellipsoid"
-        elif shape.tag == "cylinder":
-            kind = "cylinder"
-        elif shape.tag == "capsule":
-            kind = "capsule"
-        return Solid(kind=kind, placement=frame, half_size=size)
+        return Solid(kind=SOLID_OF_SHAPE[shape.tag], placement=frame, half_size=size)
 
     def _read_half_size(self, shape: ET.Element) -> Vector | None:
         if shape.tag == "box":

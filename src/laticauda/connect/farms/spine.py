@@ -71,40 +71,59 @@ def find_spine(
             f"it has no link `{first}` for the head; its links are {', '.join(bodies)}"
         )
     path = _find_path(morphology, first, driven)
-    segments: list[list[Body]] = [[bodies[path[0]]]]
-    hinges: list[Hinge] = []
-    tailward: list[bool] = []
-    locked: list[str] = []
-    for front, rear in pairwise(path):
-        is_tailward = bodies[rear].parent == front
-        child = bodies[front]
-        if is_tailward:
-            child = bodies[rear]
-        hinge = child.hinge
-        is_driven = hinge is not None and (driven is None or hinge.name in driven)
-        if hinge is not None and is_driven and bodies[rear].mass > WEIGHTLESS:
-            hinges.append(hinge)
-            tailward.append(is_tailward)
-            segments.append([bodies[rear]])
-            continue
-        segments[-1].append(bodies[rear])
-        if hinge is not None:
-            locked.append(hinge.name)
-    if not hinges:
+    chain = _Chain.along(path, bodies, driven)
+    if not chain.hinges:
         raise ValueError(f"no hinge bends it between `{path[0]}` and `{path[-1]}`")
-    _add_fixed_bodies(morphology, segments)
-    segment_of = _segments_by_body(segments)
+    _add_fixed_bodies(morphology, chain.segments)
+    segment_of = _segments_by_body(chain.segments)
     limbs = [body for name, body in bodies.items() if name not in segment_of]
-    forward = _find_forward(segments, hinges)
+    forward = _find_forward(chain.segments, chain.hinges)
     return Spine(
-        segments=segments,
-        hinges=hinges,
-        tailward=tailward,
+        segments=chain.segments,
+        hinges=chain.hinges,
+        tailward=chain.tailward,
         forward=forward,
-        up=_find_up(hinges, forward),
+        up=_find_up(chain.hinges, forward),
         limbs=limbs,
-        locked=locked,
+        locked=chain.locked,
     )
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Chain:
+    """Bodies from head to tail, cut into segments; see `Spine` for what its fields mean."""
+
+    segments: list[list[Body]]
+    hinges: list[Hinge]
+    tailward: list[bool]
+    locked: list[str]
+
+    @classmethod
+    def along(
+        cls,
+        path: Sequence[str],
+        bodies: Mapping[str, Body],
+        driven: Collection[str] | None,
+    ) -> "_Chain":
+        """Return the chain of the bodies on a path, head first."""
+        head = bodies[path[0]]
+        chain = cls(segments=[[head]], hinges=[], tailward=[], locked=[])
+        for front, rear in pairwise(path):
+            is_tailward = bodies[rear].parent == front
+            child = bodies[front]
+            if is_tailward:
+                child = bodies[rear]
+            hinge = child.hinge
+            is_driven = hinge is not None and (driven is None or hinge.name in driven)
+            if hinge is not None and is_driven and bodies[rear].mass > WEIGHTLESS:
+                chain.hinges.append(hinge)
+                chain.tailward.append(is_tailward)
+                chain.segments.append([bodies[rear]])
+                continue
+            chain.segments[-1].append(bodies[rear])
+            if hinge is not None:
+                chain.locked.append(hinge.name)
+        return chain
 
 
 def _find_path(

@@ -2,16 +2,26 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 from laticauda.values import RobotFileError
+
+
+class LargestTree(NamedTuple):
+    """The largest tree of bodies that carry each other."""
+
+    names: list[str]
+    """Its bodies, every parent before its children."""
+    loose: list[str]
+    """Bodies that are not in it."""
 
 
 def order_by_tree(
     names: Sequence[str],
     parents: Mapping[str, str],
     path: Path,
-) -> tuple[list[str], list[str]]:
-    """Return the bodies of the largest tree, every parent before its children, and the bodies that are not in it.
+) -> LargestTree:
+    """Return the largest tree of bodies.
 
     Args:
         names: All bodies, in the order of the file.
@@ -31,7 +41,7 @@ def order_by_tree(
     largest = max(trees, key=len)
     in_largest = set(largest)
     loose = [name for name in names if name not in in_largest]
-    return largest, loose
+    return LargestTree(names=largest, loose=loose)
 
 
 def _list_tree(root: str, children: Mapping[str, Sequence[str]]) -> list[str]:
