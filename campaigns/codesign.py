@@ -169,13 +169,13 @@ def summarize(runs: list[Run]) -> str:
     lines: list[str] = []
     for problem in PROBLEMS:
         for method in METHODS:
-            chosen = [run for run in runs if (run.problem, run.method) == (problem, method)]
-            if not chosen:
+            similar_runs = [run for run in runs if (run.problem, run.method) == (problem, method)]
+            if not similar_runs:
                 continue
-            speeds = np.array([run.speed for run in chosen])
-            seconds = np.mean([run.seconds for run in chosen])
+            speeds = np.array([run.speed for run in similar_runs])
+            seconds = np.mean([run.seconds for run in similar_runs])
             lines.append(
-                f"{problem}, {method}: {len(chosen)} runs of at most {BUDGET} trials, best {speeds.max():.3f}, "
+                f"{problem}, {method}: {len(similar_runs)} runs of at most {BUDGET} trials, best {speeds.max():.3f}, "
                 f"median {np.median(speeds):.3f}, worst {speeds.min():.3f} m/s, {seconds:.0f} s each"
             )
     return "\n".join(lines)
@@ -187,9 +187,9 @@ def main() -> None:
     parser.add_argument("--write", action="store_true")
     arguments = parser.parse_args()
     if arguments.write:
-        done = {(run.problem, run.method, run.seed) for run in read_table()}
+        stored_jobs = {(run.problem, run.method, run.seed) for run in read_table()}
         for problem, method, seed in JOBS:
-            if (problem, method, seed) not in done:
+            if (problem, method, seed) not in stored_jobs:
                 result = run(problem, method, seed)
                 append_row(TABLE, result)
                 print(result, flush=True)

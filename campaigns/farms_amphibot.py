@@ -19,7 +19,7 @@ import warnings
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import mujoco
 import numpy as np
@@ -189,7 +189,9 @@ def run_second_opinion(plain: Plain, table: dict[str, Any], lag: float | None = 
         np.array(link["drag_coefficients"][0]) for link in table["morphology"]["links"][:n_links]
     ]
     n_steps = round(DURATION / DT)
-    head, center, commands = np.empty((n_steps, 2)), np.empty((n_steps, 2)), []
+    head = np.empty((n_steps, 2))
+    center = np.empty((n_steps, 2))
+    commands: list[np.ndarray] = []
     velocity = np.empty(6)
     for step in range(n_steps):
         command = oscillators.step()
@@ -197,8 +199,8 @@ def run_second_opinion(plain: Plain, table: dict[str, Any], lag: float | None = 
         torque = stiffness * (command - data.qpos[7:]) - damping * data.qvel[6:]
         data.qfrc_applied[6:] = np.clip(torque, -limit, limit)
         for i in range(n_links):
-            kind = mujoco.mjtObj.mjOBJ_XBODY
-            mujoco.mj_objectVelocity(model, data, kind, i + 1, velocity, 1)
+            body_frame = mujoco.mjtObj.mjOBJ_XBODY
+            mujoco.mj_objectVelocity(model, data, body_frame, i + 1, velocity, 1)
             force = drag[i] * velocity[3:] * np.abs(velocity[3:])
             data.xfrc_applied[i + 1, :3] = data.xmat[i + 1].reshape(3, 3) @ force
         mujoco.mj_step(model, data)
@@ -237,8 +239,17 @@ def swim(animat: FarmsAnimat, *, by_textbook: bool) -> lc.Trial:
         )
 
 
-def way_and_speed(time: np.ndarray, center: np.ndarray) -> tuple[float, float]:
-    """Return how far the center of mass came in the first seconds [m], and its speed after these [m/s].
+class Progress(NamedTuple):
+    """How a run gets on."""
+
+    way: float
+    """How far the center of mass comes in the first seconds, see `FIRST` [m]."""
+    speed: float
+    """Its mean speed after these [m/s]."""
+
+
+def measure_progress(time: np.ndarray, center: np.ndarray) -> Progress:
+    """Return how a run gets on.
 
     Args:
         time: Times [s].
@@ -247,7 +258,7 @@ def way_and_speed(time: np.ndarray, center: np.ndarray) -> tuple[float, float]:
     first = int(np.searchsorted(time, FIRST))
     way = float(np.linalg.norm(center[first] - center[0]))
     speed = np.linalg.norm(center[-1] - center[first]) / (time[-1] - time[first])
-    return way, float(speed)
+    return Progress(way=way, speed=float(speed))
 
 
 def compare(folder: Path) -> list[Figure]:
@@ -266,10 +277,10 @@ def compare(folder: Path) -> list[Figure]:
     trial = swim(animat, by_textbook=False)
     textbook = swim(animat, by_textbook=True)
     times = DT * np.arange(1, len(second.center) + 1)
-    way, speed = way_and_speed(trial.time, trial.center_of_mass)
-    way_second, speed_second = way_and_speed(times, second.center)
-    way_as_wave, _ = way_and_speed(times, as_wave.center)
-    way_textbook, speed_textbook = way_and_speed(textbook.time, textbook.center_of_mass)
+    progress = measure_progress(trial.time, trial.center_of_mass)
+    progress_second = measure_progress(times, second.center)
+    progress_as_wave = measure_progress(times, as_wave.center)
+    progress_textbook = measure_progress(textbook.time, textbook.center_of_mass)
     phases = [trial.signals[f"phase_{i}"][-1] for i in range(animat.robot.n_joints)]
     lags = np.degrees(np.diff(phases)) % 360.0
     length = plain.places[0] - plain.places[-1] + 2.0 * plain.half_size[0]
@@ -279,12 +290,12 @@ def compare(folder: Path) -> list[Figure]:
         Figure("length [m]", animat.robot.length, length),
         Figure("lag, least [deg]", float(lags.min()), float(second.lags.min())),
         Figure("lag, largest [deg]", float(lags.max()), float(second.lags.max())),
-        Figure("way in 4 s, begun as a wave [m]", way, way_as_wave),
-        Figure("way in 4 s, begun by the file [m]", float("nan"), way_second),
+        Figure("way in 4 s, begun as a wave [m]", progress.way, progress_as_wave.way),
+        Figure("way in 4 s, begun by the file [m]", float("nan"), progress_second.way),
         Figure("way of the head in 4 s, begun by the file [m]", float("nan"), head_way),
-        Figure("speed after 4 s [m/s]", speed, speed_second),
-        Figure("textbook water: way in 4 s [m]", way_textbook, float("nan")),
-        Figure("textbook water: speed after 4 s [m/s]", speed_textbook, float("nan")),
+        Figure("speed after 4 s [m/s]", progress.speed, progress_second.speed),
+        Figure("textbook water: way in 4 s [m]", progress_textbook.way, float("nan")),
+        Figure("textbook water: speed after 4 s [m/s]", progress_textbook.speed, float("nan")),
     ]
 
 

@@ -243,17 +243,17 @@ def follow(beside: float, gap: float, leader_phase: float) -> Row:
         leader_phase: Phase of the leader's tail at the start [rad].
     """
     wake = wake_ahead(beside, gap, leader_phase)
-    found = measure(swim(replace(water(), current=wake), SETTLING + MEASURED, start()))
-    speed = found.speed / alone().speed
-    power = found.power / alone().power
+    figures = measure(swim(replace(water(), current=wake), SETTLING + MEASURED, start()))
+    speed = figures.speed / alone().speed
+    power = figures.power / alone().power
     lag = alone().phase - leader_phase
     return Row(
         beside=beside,
         gap=gap,
         leader_phase=leader_phase,
-        distance=wake.x + wake.speed * found.time - found.tail,
+        distance=wake.x + wake.speed * figures.time - figures.tail,
         phase=math.atan2(math.sin(lag), math.cos(lag)),
-        left=found.left - wake.y,
+        left=figures.left - wake.y,
         speed=speed - 1.0,
         cost=power / speed - 1.0,
     )
@@ -265,9 +265,10 @@ def compare_models() -> float:
     scenario = lc.build_scenario("mamba", wave, 3.0, current="wake")
     space = lc.build_scenario("mamba", wave, 3.0, current="wake", model="spatial", root="planar")
     alone_in_plane = lc.build_scenario("mamba", wave, 3.0)
-    ends = [lc.swim(one).center_of_mass[-1, :2] for one in (scenario, space, alone_in_plane)]
-    apart, moved = np.linalg.norm(ends[1:] - ends[0], axis=1).tolist()
-    return apart / moved
+    scenarios = (scenario, space, alone_in_plane)
+    ends = [lc.swim(scenario).center_of_mass[-1, :2] for scenario in scenarios]
+    difference_of_models, effect_of_wake = np.linalg.norm(ends[1:] - ends[0], axis=1).tolist()
+    return difference_of_models / effect_of_wake
 
 
 def places() -> Iterable[tuple[float, float, float]]:
@@ -289,18 +290,19 @@ def fit_wave(rows: list[Row], name: str, wave_number: float | None = None) -> Fi
     values = np.array([getattr(row, name) for row in rows])
     phases = np.array([row.phase for row in rows])
     distances = np.array([row.distance for row in rows])
-    tried = [wave_number]
+    wave_numbers = [wave_number]
     if wave_number is None:
-        tried = np.linspace(0.0, 60.0, 1201).tolist()
+        wave_numbers = np.linspace(0.0, 60.0, 1201).tolist()
     best: Fit | None = None
-    for k in tried:
+    for k in wave_numbers:
         turns = phases + k * distances
         terms = np.stack([np.ones_like(turns), np.cos(turns), np.sin(turns)], axis=1)
         (mean, cosine, sine), *_ = np.linalg.lstsq(terms, values, rcond=None)
         left_over = values - terms @ np.array([mean, cosine, sine])
         explained = 1.0 - float(np.var(left_over) / np.var(values))
         if best is None or explained > best.explained:
-            depth, phase = math.hypot(cosine, sine), math.atan2(sine, cosine)
+            depth = math.hypot(cosine, sine)
+            phase = math.atan2(sine, cosine)
             best = Fit(float(mean), depth, phase, k, explained)
     assert best is not None
     return best
@@ -317,10 +319,10 @@ def tabulate(rows: list[Row]) -> str:
         "|---|---|---|---|---|---|",
     ]
     for beside in BESIDE:
-        chosen = [row for row in rows if row.beside == beside]
-        fit = fit_wave(chosen, "power")
+        followers = [row for row in rows if row.beside == beside]
+        fit = fit_wave(followers, "power")
         cells = [f"{beside:.2f}"]
-        cells += [describe_range(chosen, name) for name in ("speed", "power", "cost")]
+        cells += [describe_range(followers, name) for name in ("speed", "power", "cost")]
         cells += [f"{2.0 * math.pi / fit.wave_number:.3f}", f"{100.0 * fit.explained:.0f}"]
         lines.append("| " + " | ".join(cells) + " |")
     return "\n".join(lines)
@@ -464,9 +466,9 @@ def main() -> None:
     print(alone())
     print(tabulate(rows))
     for beside in BESIDE:
-        chosen = [row for row in rows if row.beside == beside]
+        followers = [row for row in rows if row.beside == beside]
         for name in ("speed", "power", "cost"):
-            print(f"{beside:g} m beside, {name}: {fit_wave(chosen, name)}")
+            print(f"{beside:g} m beside, {name}: {fit_wave(followers, name)}")
     if arguments.figure:
         draw(rows, arguments.figure)
 

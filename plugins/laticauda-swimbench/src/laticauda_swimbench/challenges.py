@@ -6,7 +6,6 @@ score goes from 0 to 1. Any change except in wording makes a new version. Every 
 the SHA-256 of the scenario file, and is compared with no other.
 """
 
-import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cache
@@ -18,6 +17,7 @@ from laticauda.robot import Robot
 from laticauda.scenarios import Scenario, run_from_table
 from laticauda.values import check_choice, codec, parse_toml
 from laticauda_gym.environments import SwimmingEnv, SwimmingVectorEnv
+from laticauda_swimbench.challenge_files import read_challenge_file
 from laticauda_swimbench.task import Swim
 
 FOLDER = Path(__file__).parent / "scenarios"
@@ -75,8 +75,7 @@ def challenge(name: str) -> Challenge:
         ValueError: If there is no scenario of that name.
     """
     file = FOLDER / f"{check_choice('scenario', name, CHALLENGES)}.toml"
-    content = file.read_bytes().replace(b"\r\n", b"\n")
-    table = parse_toml(content.decode(), file)
+    table, sha256 = read_challenge_file(file)
     swims = cast(Scenario, run_from_table(table["swims"]))
     robots = [
         swims.robot,
@@ -87,7 +86,7 @@ def challenge(name: str) -> Challenge:
         name=name,
         version=table["scenario_version"],
         description=table["description"],
-        sha256=hashlib.sha256(content).hexdigest(),
+        sha256=sha256,
         seeds=tuple(table["seeds"]),
         tasks=tuple(codec.decode(Swim, table["task"] | {"scenario": one}) for one in scenarios),
         baseline=table["score"]["baseline"],

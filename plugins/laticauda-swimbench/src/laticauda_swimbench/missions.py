@@ -12,7 +12,6 @@ E is the electrical energy that the robot took. The score is (J - J_0) / (J_1 - 
 that rests, 1 for the reference.
 """
 
-import hashlib
 import inspect
 import json
 import time
@@ -44,7 +43,8 @@ from laticauda.robot import Robot
 from laticauda.scenarios import Command, Observation, Scenario, run_from_table
 from laticauda.sensing import Sonar
 from laticauda.trials import Trial
-from laticauda.values import BadArgument, check_choice, codec, parse_toml, read_text, write
+from laticauda.values import BadArgument, check_choice, codec, read_text, write
+from laticauda_swimbench.challenge_files import read_challenge_file
 from laticauda_swimbench.scoring import BadScores, checksum, installed_versions, text_of
 
 HERE = Path(__file__).parent
@@ -104,14 +104,13 @@ def mission_challenge(name: str) -> MissionChallenge:
         ValueError: If there is no mission of that name.
     """
     file = FOLDER / f"{check_choice('mission', name, MISSIONS)}.toml"
-    content = file.read_bytes().replace(b"\r\n", b"\n")
-    table = parse_toml(content.decode(), file)
+    table, sha256 = read_challenge_file(file)
     scale = table["score"]
     return MissionChallenge(
         name=name,
         version=table["scenario_version"],
         description=table["description"],
-        sha256=hashlib.sha256(content).hexdigest(),
+        sha256=sha256,
         task=table["task"],
         seeds=tuple(table["seeds"]),
         scenario=cast(Scenario, run_from_table(table["mission"])),
@@ -141,13 +140,13 @@ class BySensors(lc.Controller[Any]):
 
     def step(self, state: Any, observation: Observation) -> tuple[Any, Command]:
         """Return the next state, from `state` and what the sensors tell of `observation`, and the command."""
-        seen: Any = SimpleNamespace(
+        sensed: Any = SimpleNamespace(
             time=observation.time,
             joint_angle=observation.joint_angle,
             joint_rate=observation.joint_rate,
             readings=observation.readings,
         )
-        return self.controller.step(state, seen)
+        return self.controller.step(state, sensed)
 
     def check(self, robot: Robot) -> None:
         """Have the controller look at the `robot`."""
