@@ -22,10 +22,13 @@ import laticauda as lc
 from laticauda.control import Feedback, PhaseOscillators
 
 N_ROBOTS = 256
+"""Robots in a call."""
 N_LINKS = 31
+"""Links of each robot."""
 DURATION = 4.0
 """Duration of every trial [s]."""
 ROUNDS = 5
+"""Rounds, of which the fastest counts: others may run on the same machine."""
 FEEDBACK = Feedback(pressure=0.08, stretch=-3.0)
 GAIT = lc.lateral_undulation(amplitude_deg=10, frequency_deg_s=130, phase_shift_deg=11)
 

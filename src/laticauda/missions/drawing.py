@@ -58,9 +58,9 @@ def draw_phases(mission: Mission) -> Figure:
         mission: The mission.
     """
     names = mission.phase_names
-    ways = sorted(_merge_ways(mission.ways), key=_rows_passed)
+    ways = sorted(_merge_ways(mission.ways), key=_count_rows)
     n_arcs = {1: 0, -1: 0}
-    for way, _ in ways:
+    for way in ways:
         if way.after != way.before + 1:
             n_arcs[_side_of(way)] += 1
     left = -(HALF_BOX + ARC_STEP * n_arcs[-1] + ROOM_LEFT)
@@ -71,28 +71,28 @@ def draw_phases(mission: Mission) -> Figure:
         behaviour = type(mission.phases[row].behaviour)
         _draw_box(ax, row, name, name_of(behaviour))
     n_drawn = {1: 0, -1: 0}
-    for way, reasons in ways:
+    for way in ways:
         if way.after == way.before + 1:
-            _draw_step(ax, way, reasons)
+            _draw_step(ax, way)
             continue
         side = _side_of(way)
         n_drawn[side] += 1
-        _draw_arc(ax, way, reasons, x=side * (HALF_BOX + ARC_STEP * n_drawn[side]))
+        _draw_arc(ax, way, x=side * (HALF_BOX + ARC_STEP * n_drawn[side]))
     ax.set_xlim(left, right)
     ax.set_ylim(len(names) - 0.5, -0.5)
     ax.set_axis_off()
     return figure
 
 
-def _merge_ways(ways: tuple[Way, ...]) -> list[tuple[Way, str]]:
-    """Return the ways between different pairs of phases, each with all of its reasons, one a line."""
-    reasons: dict[tuple[int, int], list[str]] = {}
+def _merge_ways(ways: tuple[Way, ...]) -> list[Way]:
+    """Return one way between every pair of phases, with all of its reasons, one a line."""
+    reasons_of_pair: dict[tuple[int, int], list[str]] = {}
     for way in ways:
-        reasons.setdefault((way.before, way.after), []).append(way.reason)
-    merged: list[tuple[Way, str]] = []
-    for (before, after), words in reasons.items():
-        merged.append((Way(before, after, ""), "\nor ".join(words)))
-    return merged
+        reasons_of_pair.setdefault((way.before, way.after), []).append(way.reason)
+    merged_ways: list[Way] = []
+    for (before, after), reasons in reasons_of_pair.items():
+        merged_ways.append(Way(before, after, "\nor ".join(reasons)))
+    return merged_ways
 
 
 def _side_of(way: Way) -> int:
@@ -100,9 +100,8 @@ def _side_of(way: Way) -> int:
     return int(math.copysign(1, way.after - way.before))
 
 
-def _rows_passed(way_and_reasons: tuple[Way, str]) -> int:
+def _count_rows(way: Way) -> int:
     """Return how many rows a way leads up or down: short ones are drawn inside."""
-    way, _ = way_and_reasons
     return abs(way.after - way.before)
 
 
@@ -130,16 +129,16 @@ def _draw_box(ax: Any, row: int, name: str, behaviour: str) -> None:
     )
 
 
-def _draw_step(ax: Any, way: Way, reasons: str) -> None:
+def _draw_step(ax: Any, way: Way) -> None:
     """Draw the way to the next phase, straight down."""
     begin = 0.0, way.before + HALF_HEIGHT
     end = 0.0, way.after - HALF_HEIGHT
     ax.add_patch(_arrow((begin, end)))
     middle = 0.5 * (way.before + way.after)
-    _write_reasons(ax, 0.08, middle, reasons, align="left")
+    _write_reasons(ax, 0.08, middle, way.reason, align="left")
 
 
-def _draw_arc(ax: Any, way: Way, reasons: str, *, x: float) -> None:
+def _draw_arc(ax: Any, way: Way, *, x: float) -> None:
     """Draw a way past other phases: out to the side, along, and back in."""
     side = math.copysign(1.0, x)
     down = math.copysign(1.0, way.after - way.before)
@@ -149,7 +148,7 @@ def _draw_arc(ax: Any, way: Way, reasons: str, *, x: float) -> None:
     ax.add_patch(_arrow((begin, (x, begin[1]), (x, end[1]), end)))
     align = "left" if side > 0.0 else "right"
     lines: list[str] = []
-    for reason in reasons.splitlines():
+    for reason in way.reason.splitlines():
         lines += textwrap.wrap(reason, REASON_WIDTH)
     _write_reasons(ax, x + 0.06 * side, way.before + 0.5 * down, "\n".join(lines), align=align)
 

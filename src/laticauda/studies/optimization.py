@@ -383,9 +383,7 @@ def has_slopes(optimization: Optimization) -> bool:
     Args:
         optimization: The optimization.
     """
-    if len(optimization.objectives) > 1 or optimization.takes_whole_numbers:
-        return False
-    if _is_steered(optimization.scenario):
+    if not _is_smooth(optimization):
         return False
     (run,) = runs_of([optimization.scenario])
     n_numbers = len(optimization.names)
@@ -398,12 +396,17 @@ def can_have_slopes(optimization: Optimization) -> bool:
     Args:
         optimization: The optimization.
     """
-    if len(optimization.objectives) > 1 or optimization.takes_whole_numbers:
-        return False
-    if _is_steered(optimization.scenario):
+    if not _is_smooth(optimization):
         return False
     (run,) = runs_of([optimization.scenario])
     return gradients.can_go_backward([run.plant])
+
+
+def _is_smooth(optimization: Optimization) -> bool:
+    """Return whether there is one objective of a robot that no controller steers, and no number is a count."""
+    if len(optimization.objectives) > 1 or optimization.takes_whole_numbers:
+        return False
+    return not _is_steered(optimization.scenario)
 
 
 def _is_steered(scenario: lc.Scenario) -> bool:

@@ -35,11 +35,12 @@ def units_of_readings(
         sensors: The sensors.
         units: What is observed as 1, by the name of a value or of a sensor; 1 for all others [SI].
     """
-    of_columns: list[float] = []
+    units_of_columns: list[float] = []
     for sensor in sensors:
-        of_sensor = units.get(sensor.name, 1.0)
-        of_columns += [units.get(name, of_sensor) for name in names_of_readings((sensor,))]
-    return np.array(of_columns)
+        unit_of_sensor = units.get(sensor.name, 1.0)
+        for name in names_of_readings((sensor,)):
+            units_of_columns.append(units.get(name, unit_of_sensor))
+    return np.array(units_of_columns)
 
 
 class SensesOfLanes:

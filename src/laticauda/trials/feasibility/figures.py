@@ -63,8 +63,8 @@ def count_unsettled_samples(
     """
     start_up: np.ndarray = np.nan_to_num(period)
     end_of_start_up: np.ndarray = time[0] + start_up
-    rest = time[-1] - end_of_start_up
-    is_too_short = rest < 0.5 * start_up
+    remaining_time = time[-1] - end_of_start_up
+    is_too_short = remaining_time < 0.5 * start_up
     settled_from: np.ndarray = np.where(is_too_short, time[0], end_of_start_up)
     return np.searchsorted(time, settled_from)
 
