@@ -50,6 +50,11 @@ def test_a_run_and_the_worst_runs_of_a_campaign_are_filmed(tmp_path, capsys, mon
             ["net-inspection", "--runs", "2", "--table", "a.csv", "--plot", "a.png"],
             "--seed, --save, --plot and --video must be left out with --runs, for one run only.",
         ),
+        (["net-inspection", "--table", "a.csv"], "--table must be given together with --runs."),
+        (
+            ["net-inspection", "--speed", "6"],
+            "--speed must be given together with --video or --films.",
+        ),
         (
             ["net-inspection", "--films", "2"],
             "--scheduler, --share, --merge and --films must be given together with --runs.",

@@ -166,6 +166,21 @@ def test_a_design_keeps_its_limits_and_lengths_in_steps():
     assert judgment.trial.forward_velocity > judge_design(sought).trial.forward_velocity
 
 
+@pytest.mark.parametrize(("bounds", "step"), [((0.101, 0.149), 0.05), ((0.1, 0.2), 5.0)])
+def test_a_step_of_lengths_has_a_multiple_within_the_bounds(bounds, step):
+    name = "robot.module.length"
+    with pytest.raises(
+        ValueError,
+        match=rf"`length_step` must have a multiple within the bounds of `{name}`, .* got {step:g} m",
+    ):
+        Optimization(
+            scenario=SCENARIO,
+            bounds={name: bounds},
+            objectives="forward_velocity",
+            length_step=step,
+        )
+
+
 def test_ballast_makes_every_module_as_heavy_as_its_water():
     light = tuple(replace(module, mass=0.4) for module in ROBOT.modules)
     scenario = replace(SCENARIO, robot=replace(ROBOT, modules=light))

@@ -106,6 +106,15 @@ def test_a_leader_that_turns_or_swims_in_waves_is_refused(leader):
         measure_wake(replace(leader, scenario=scenario))
 
 
+@pytest.mark.parametrize("gait", [replace(GAIT, amplitude=0.0), replace(GAIT, phase_shift=0.0)])
+def test_a_leader_that_stays_where_it_is_leaves_no_wake(leader, gait):
+    staying = lc.swim("mamba", gait, 20.0, environment=leader.environment)
+    with pytest.raises(
+        ValueError, match=r"`trial` must advance for a wake: by [\d.]+ m in a cycle, got [\d.e-]+ m"
+    ):
+        measure_wake(staying)
+
+
 def test_a_file_whose_robot_left_no_wake_is_named(tmp_path):
     path = tmp_path / "short.nc"
     lc.swim("mamba", GAIT, 5.0).save(path)

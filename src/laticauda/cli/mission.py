@@ -1,5 +1,6 @@
 """`laticauda mission`: a robot on a mission, once, under drawn conditions, or many times."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import asdict, fields, replace
 from pathlib import Path
@@ -137,7 +138,11 @@ class RunMission(Command):
 
     def _check_way_of_running(self) -> None:
         """Refuse options that contradict each other."""
+        if self.speed is not None and self.video is None and self.films is None:
+            raise BadFlag("--speed must be given together with --video or --films.")
         if self.runs is None:
+            if self.table is not None:
+                raise BadFlag("--table must be given together with --runs.")
             of_campaigns = (self.scheduler, self.share, self.films, self.merge or None)
             if any(value is not None for value in of_campaigns):
                 raise BadFlag(
@@ -269,12 +274,20 @@ def _describe(result: MissionResult) -> str:
         ended = f"docked after {result.duration:.1f} s"
     rows = [
         ("ended", ended),
-        ("clearance", f"{result.clearance:.2f} m from anything but docks"),
-        ("position", f"believed within {result.largest_error:.2f} m"),
+        ("position", _describe_error(result.largest_error)),
     ]
+    if math.isfinite(result.clearance):
+        rows.insert(1, ("clearance", f"{result.clearance:.2f} m from anything but docks"))
     if result.share_seen is not None:
         rows.append(("net seen", f"{100.0 * result.share_seen:.0f} %"))
     return "\n".join(changes) + "\n\n" + wrap_rows(rows)
+
+
+def _describe_error(largest_error: float) -> str:
+    """Return how far off the position was believed to be, for people."""
+    if math.isnan(largest_error):
+        return "never known to 1 m: no sensor told it"
+    return f"believed within {largest_error:.2f} m"
 
 
 def _describe_campaign(summary: CampaignSummary) -> str:

@@ -9,6 +9,7 @@ avoidance.py   keeping clear of what the sonar has seen
 behaviours     what it does in a phase
 phases.py      phases, and conditions that end them
 mission.py     the table of phases, which is a controller
+checking.py    what a mission must have before it runs
 running.py     runs of missions, and what came of them
 inspection.py  how near the body came to places, and what was seen of a net
 campaign.py    one mission in many waters, with sensors that fail

@@ -411,7 +411,9 @@ def summarize_campaign(rows: Sequence[MissionRow]) -> CampaignSummary:
     causes: dict[str, int] = {}
     for row in rows:
         if not row.is_docked:
-            cause = f"{row.last_phase}: {row.reason}"
+            cause = row.last_phase
+            if row.reason:
+                cause = f"{row.last_phase}: {row.reason}"
             causes[cause] = causes.get(cause, 0) + 1
     worst = sorted(rows, key=lambda row: (row.is_docked, row.clearance))
     return CampaignSummary(

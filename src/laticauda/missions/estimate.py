@@ -55,6 +55,8 @@ class Estimate:
     """Share of the battery that is left; None without a gauge."""
     silence: Mapping[str, float]
     """By sensor, for how long it has told nothing, or the same again and again [s]."""
+    sonar_silence: float = 0.0
+    """For how long the sonar has told nothing new [s]."""
     depth: float | None = None
     """Depth of the head that was last told; None without a gauge [m]."""
     beacon_distance: float | None = None

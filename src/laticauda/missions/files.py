@@ -2,9 +2,10 @@
 
 from pathlib import Path
 
+from laticauda.missions.checking import check_mission
 from laticauda.missions.running import mission_of
 from laticauda.scenarios import Scenario, load_scenario
-from laticauda.values import BadArgument, suggest_nearest
+from laticauda.values import BadArgument, RobotFileError, codec, suggest_nearest
 
 PRESETS = Path(__file__).parent / "presets"
 """Folder of the missions that come with the package."""
@@ -36,4 +37,6 @@ def load_mission(name: str | Path) -> Scenario:
         path = PRESETS / f"{name}.toml"
     scenario = load_scenario(path)
     mission_of(scenario)
+    with codec.keys_of(path, RobotFileError), codec.arguments_of(""):
+        check_mission(scenario)
     return scenario

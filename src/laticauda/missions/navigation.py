@@ -218,6 +218,7 @@ class _Instant:
             depth=self._last_value(self._navigation.depth),
             beacon_distance=self._last_value(self._navigation.position),
             contact_force=self._contact_force(),
+            sonar_silence=self._time - self._heard_at.get(self._navigation.sonar, self._time),
             silence={name: self._time - heard for name, heard in self._heard_at.items()},
         )
         return NavigationState(

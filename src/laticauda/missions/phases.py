@@ -4,7 +4,14 @@ import math
 
 from laticauda.missions.behaviours.behaviour import AnyBehaviour
 from laticauda.missions.estimate import Estimate
-from laticauda.values import Extensible, check_label, option, quantity, value_class
+from laticauda.values import (
+    BadArgument,
+    Extensible,
+    check_label,
+    option,
+    quantity,
+    value_class,
+)
 from laticauda.values.angles import wrapped
 
 
@@ -172,3 +179,12 @@ class Phase:
     depth: float | None = quantity(
         "m", "Depth that is held by the pitch joints; None: it is not steered", default=None
     )
+
+    def __post_init__(self) -> None:
+        """Reject a time limit after which nothing happens, and a phase after no time limit."""
+        if self.late is None and math.isfinite(self.time_limit):
+            rule = "must be left out, or `late` must name the phase that begins after it"
+            raise BadArgument("time_limit", f"{rule}, got {self.time_limit:g} s")
+        if self.late is not None and math.isinf(self.time_limit):
+            rule = "must be given together with `time_limit`, which has none here"
+            raise BadArgument("late", f"{rule}, got {self.late!r}")

@@ -1,5 +1,6 @@
 """Runs of missions, alone or many side by side, and what came of them."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -7,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Int
 
+from laticauda.missions.checking import check_mission
 from laticauda.missions.inspection import (
     find_dock,
     find_net,
@@ -52,7 +54,8 @@ class MissionResult:
     share_seen: float | None
     """Share of the net's circumference seen within sonar range and 60 deg of incidence; None without net or sonar."""
     largest_error: float
-    """Largest distance between where the robot was and where it believed to be [m]."""
+    """Largest distance between where the robot was and where it believed to be, of the times at which it was
+    sure to 1 m; nan if it never was [m]."""
 
     @property
     def last_phase(self) -> str:
@@ -99,6 +102,7 @@ def run_missions(scenarios: Sequence[Scenario]) -> list[MissionResult]:
     """
     for scenario in scenarios:
         mission_of(scenario)
+        check_mission(scenario)
     return [
         judge_mission(trial, scenario.duration)
         for trial, scenario in zip(swim_to_dock(scenarios), scenarios, strict=True)
@@ -179,5 +183,5 @@ def judge_mission(trial: Trial, planned_duration: float) -> MissionResult:
         is_docked=has_dock and float(trial.time[-1]) < planned_duration - 1e-9,
         clearance=measure_clearance(trial),
         share_seen=share_seen,
-        largest_error=float(np.max(errors, initial=0.0)),
+        largest_error=float(np.max(errors)) if errors.size else math.nan,
     )

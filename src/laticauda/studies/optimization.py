@@ -3,6 +3,7 @@
 Also the evaluation of its points: their figures, and how far each is from being feasible.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
 from typing import Any, NamedTuple
@@ -144,8 +145,22 @@ class Optimization(Limits):
         with telling(silent) if self.ballast else nullcontext():
             check_ranges(self.scenario, self.bounds, "bounds")
         check_design_limits(self, self.scenario)
+        self._check_length_step()
         objectives = [swum_figure(name, self.scenario, self.bounds) for name in self.objectives]
         object.__setattr__(self, "objectives", _check_objectives("objectives", objectives))
+
+    def _check_length_step(self) -> None:
+        """Reject a step of lengths of which no multiple lies within the bounds of a length."""
+        if self.length_step is None:
+            return
+        for name, is_length, low, high in zip(
+            self.names, self.is_length, *self._bound_arrays(), strict=True
+        ):
+            least = max(1, math.ceil(low / self.length_step - ROUNDING))
+            most = math.floor(high / self.length_step + ROUNDING)
+            if is_length and least > most:
+                rule = f"must have a multiple within the bounds of `{name}`, {low:g} to {high:g} m"
+                raise BadArgument("length_step", f"{rule}, got {self.length_step:g} m")
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -31,6 +31,10 @@ from laticauda.water.fluid import Flow, Wake, find_circulation
 
 CORE_SHARE = 0.25
 """Core of a new vortex by half its distance from the next one of its row, or by the distance of the rows [-]."""
+SMALLEST_ADVANCE = 1e-3
+"""Advance per cycle below which a leader leaves no street [m]."""
+SMALLEST_ADVANCE_SHARE = 0.1
+"""The same, as a share of the way of its tail from side to side [-]."""
 LARGEST_TURN = math.radians(20.0)
 """Turn of the leader during the life of its vortices beyond which its wake is not straight [rad]."""
 
@@ -81,6 +85,11 @@ def measure_wake(
     to_the_left = np.array([-math.sin(direction), math.cos(direction)])
     cosine_part, sine_part = (beat.harmonic @ to_the_left).tolist()
     width = 2.0 * math.hypot(cosine_part, sine_part)
+    advance = speed * period
+    least_advance = max(SMALLEST_ADVANCE, SMALLEST_ADVANCE_SHARE * width)
+    if advance < least_advance:
+        rule = f"must advance for a wake: by {least_advance:.2g} m in a cycle"
+        raise BadArgument("trial", f"{rule}, got {advance:.2g} m")
 
     flux = leader.momentum_flux(speed, thrust, span)
     if core is None:

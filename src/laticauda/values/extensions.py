@@ -33,9 +33,11 @@ HOMES: Mapping[str, Mapping[str, str]] = {
     },
     "conditions": {
         "battery-low": "laticauda.missions.phases",
+        "captured": "laticauda.missions.phases",
         "position-unsure": "laticauda.missions.phases",
         "sensor-heard": "laticauda.missions.phases",
         "sensor-silent": "laticauda.missions.phases",
+        "touched": "laticauda.missions.phases",
     },
     "controllers": {
         "mission": "laticauda.missions.mission",

@@ -107,7 +107,7 @@ def _see_wall(state: WallState, echo: Echo, estimate: Estimate, elapsed: float) 
     to_echo_x = echo.x - estimate.position[0]
     to_echo_y = echo.y - estimate.position[1]
     distance = to_echo_x * math.cos(direction) + to_echo_y * math.sin(direction)
-    is_fresh = estimate.silence.get("sonar", 0.0) <= elapsed
+    is_fresh = estimate.sonar_silence <= elapsed
     seen_at = state.seen_at
     if is_fresh:
         seen_at = estimate.time

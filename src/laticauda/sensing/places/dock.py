@@ -8,7 +8,7 @@ from jaxtyping import Float
 from laticauda.sensing.places.place import Place
 from laticauda.sensing.places.solids import Solid
 from laticauda.sensing.places.structures import upright_panel
-from laticauda.values import quantity, value_class
+from laticauda.values import BadArgument, quantity, value_class
 from laticauda.values.angles import wrapped
 
 PLATE_THICKNESS = 0.02
@@ -35,6 +35,12 @@ class Dock(Place):
         "rad", "How far its heading may be off", gt=0.0, default=math.radians(30.0)
     )
     capture_speed: float = quantity("m/s", "Largest speed at which it catches", gt=0.0, default=0.5)
+
+    def __post_init__(self) -> None:
+        """Reject a funnel that widens inward."""
+        if self.throat > self.mouth:
+            rule = f"must be at most the mouth, {self.mouth:g} m"
+            raise BadArgument("throat", f"{rule}, got {self.throat:g} m")
 
     def solids(self) -> tuple[Solid, ...]:
         """See `Place`."""
