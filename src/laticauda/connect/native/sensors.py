@@ -4,6 +4,7 @@ Rate, latency, noise, losses and faults are left to the tool that runs the robot
 """
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 
@@ -31,13 +32,13 @@ def list_sensor_outputs(plant: PlanarPlant) -> Iterator[Variable]:
         plant: Plant in water.
     """
     for sensor in plant.settings.sensors:
-        for column, (unit, formula) in _formulas_of(sensor, plant).items():
+        for column, measurand in _measurands_of(sensor, plant).items():
             yield Variable(
                 name=f"{sensor.name}_{column}",
                 causality="output",
-                unit=unit,
+                unit=measurand.unit,
                 description=f"What the sensor {sensor.name} measures, without noise, at this moment.",
-                formula=formula,
+                formula=measurand.formula,
             )
 
 
@@ -49,9 +50,9 @@ def warn_of_missing_sensors(plant: PlanarPlant) -> None:
     """
     missing: list[str] = []
     for sensor in plant.settings.sensors:
-        formula_of_column = _formulas_of(sensor, plant)
+        computed_columns = _measurands_of(sensor, plant)
         missing += [
-            f"{sensor.name}_{name}" for name in sensor.columns if name not in formula_of_column
+            f"{sensor.name}_{name}" for name in sensor.columns if name not in computed_columns
         ]
     if missing:
         warn_caller(
@@ -86,34 +87,43 @@ def find_head_shares(plant: PlanarPlant) -> list[float]:
     return shares
 
 
-def _formulas_of(sensor: Sensor, plant: PlanarPlant) -> dict[str, tuple[str, SensorFormula]]:
-    """Return unit and formula by column, for those that there are."""
+class _Measurand(NamedTuple):
+    """What a sensor measures in one column."""
+
+    unit: str
+    """Its unit, as in files of the compiled function."""
+    formula: SensorFormula
+    """How it follows from the motion of the links."""
+
+
+def _measurands_of(sensor: Sensor, plant: PlanarPlant) -> dict[str, _Measurand]:
+    """Return by column what a sensor measures, as far as the compiled function can compute it."""
     if plant.robot.fin_joints:
         return {}
     depth = getattr(plant.environment, "depth", None) or 0.0
     if isinstance(sensor, Compass):
-        return {"heading": ("rad", SensorFormula(formulas.HEADING, (sensor.bias,)))}
+        return {"heading": _Measurand("rad", SensorFormula(formulas.HEADING, (sensor.bias,)))}
     if isinstance(sensor, DepthGauge):
-        return {"depth": ("m", SensorFormula(formulas.CONSTANT, (depth,)))}
+        return {"depth": _Measurand("m", SensorFormula(formulas.CONSTANT, (depth,)))}
     if isinstance(sensor, DopplerVelocity) and not sensor.through_water:
         return {
-            "forward": ("m/s", SensorFormula(formulas.FORWARD)),
-            "left": ("m/s", SensorFormula(formulas.LEFT)),
-            "up": ("m/s", ZERO),
+            "forward": _Measurand("m/s", SensorFormula(formulas.FORWARD)),
+            "left": _Measurand("m/s", SensorFormula(formulas.LEFT)),
+            "up": _Measurand("m/s", ZERO),
         }
     if isinstance(sensor, InertialUnit):
         bias = SensorFormula(formulas.CONSTANT, (sensor.turn_bias,))
         return {
-            "turn_x": ("rad/s", bias),
-            "turn_y": ("rad/s", bias),
-            "turn_z": ("rad/s", SensorFormula(formulas.TURN_RATE, (sensor.turn_bias,))),
+            "turn_x": _Measurand("rad/s", bias),
+            "turn_y": _Measurand("rad/s", bias),
+            "turn_z": _Measurand("rad/s", SensorFormula(formulas.TURN_RATE, (sensor.turn_bias,))),
         }
     if isinstance(sensor, AcousticPosition):
         x, y, z = sensor.beacon
         numbers = (x, y, z + depth, sensor.largest_range)
         return {
-            "range": ("m", SensorFormula(formulas.RANGE, numbers)),
-            "bearing": ("rad", SensorFormula(formulas.BEARING, numbers)),
-            "elevation": ("rad", SensorFormula(formulas.ELEVATION, numbers)),
+            "range": _Measurand("m", SensorFormula(formulas.RANGE, numbers)),
+            "bearing": _Measurand("rad", SensorFormula(formulas.BEARING, numbers)),
+            "elevation": _Measurand("rad", SensorFormula(formulas.ELEVATION, numbers)),
         }
     return {}

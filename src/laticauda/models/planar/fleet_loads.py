@@ -87,11 +87,20 @@ class LoadsOfLanes:
         n_joints = self.layout.n_joints
         torques = np.zeros((len(self._lanes), n_joints, WIDTH))
         sample = aligned((1, self.layout.sample_size, WIDTH), float)
-        n_steps, dt, every = 0, self._plant.dt, 1
+        n_steps = 0  # only the sample at the start
+        samples_every = 1
         for block in blocks:
             lanes = self._lanes[block].copy()
             is_implicit = self._plant.is_implicit
-            run(lanes, *self.layout.chain, is_implicit, n_steps, dt, every, sample)
+            run(
+                lanes,
+                *self.layout.chain,
+                is_implicit,
+                n_steps,
+                self._plant.dt,
+                samples_every,
+                sample,
+            )
             of_joints = sample_format.view_joints(sample, n_joints)
             torques[block] = of_joints[0, sample_format.place_of(rows.TORQUE)]
         return self._by_robot(torques)[:, self.layout.tail_link :]

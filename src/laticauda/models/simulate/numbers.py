@@ -264,12 +264,12 @@ def _plain_name(name: str) -> str:
     return strip_items(name)
 
 
-def _are_of_common_numbers(name: str, other: str) -> bool:
+def _are_of_common_numbers(first: str, second: str) -> bool:
     """Return whether two names of one number of parts are partly about the same parts."""
-    are_tapers = [tapers.find_taper(parameter) is not None for parameter in (name, other)]
+    are_tapers = [tapers.find_taper(parameter) is not None for parameter in (first, second)]
     if all(are_tapers):
-        return name == other
-    return any(are_tapers) or have_common_items(name, other)
+        return first == second
+    return any(are_tapers) or have_common_items(first, second)
 
 
 def _numbers_of_controller(motion: Motion) -> Iterator[Parameter]:

@@ -65,8 +65,8 @@ def path_extent(trial: Trial) -> tuple[float, float]:
     """
     robot = trial.chain
     bodies = [outline(robot, trial, sample) for sample in choose_instants(trial)]
-    shown = [*bodies, trial.center_of_mass[:, :2], *outlines_of(places_of(trial))]
-    width, height = np.ptp(np.vstack(shown), axis=0)
+    lines = [*bodies, trial.center_of_mass[:, :2], *outlines_of(places_of(trial))]
+    width, height = np.ptp(np.vstack(lines), axis=0)
     margins = 2.0 * MARGIN * max(width, height)
     return float(width + margins), float(height + margins)
 
