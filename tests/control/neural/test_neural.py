@@ -88,6 +88,7 @@ def test_numbers_of_a_network_can_be_swept():
     [
         ({"cuts": (8,)}, r"`cuts` must be joints from 0 to 6, got 8"),
         ({"coupling": -1.0}, r"`coupling` must be >= 0 1/s, got -1"),
+        ({"seed": -1}, r"`seed` must be a whole number >= 0, got -1"),
     ],
 )
 def test_what_no_network_can_have_is_refused(change, message):

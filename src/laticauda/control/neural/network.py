@@ -121,8 +121,10 @@ class NeuralGait(Controller[NetworkState[Neurons]], Generic[Neurons]):
     steering: Controller[Any] | None = option(
         "Controller that drives and steers it, such as path following", default=None
     )
-    seed: int | None = option(
+    seed: int | None = quantity(
+        "",
         "Seed of random initial phases and of the spread; None: the phases of the gait, no spread",
+        ge=0,
         default=None,
     )
     spread: float = quantity(
