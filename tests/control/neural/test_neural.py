@@ -87,7 +87,7 @@ def test_numbers_of_a_network_can_be_swept():
     ("change", "message"),
     [
         ({"cuts": (8,)}, r"`cuts` must be joints from 0 to 6, got 8"),
-        ({"coupling": -1.0}, r"`coupling` must be >= 0 1/s, got -1"),
+        ({"coupling": -1.0}, r"`coupling` must be between 0 and 50 1/s, got -1"),
         ({"seed": -1}, r"`seed` must be a whole number >= 0, got -1"),
     ],
 )
@@ -99,3 +99,33 @@ def test_what_no_network_can_have_is_refused(change, message):
 def test_prescribed_joints_are_refused():
     with pytest.raises(ValueError, match="`references` must be None for prescribed joints"):
         lc.swim("mamba", PhaseOscillators(gait=GAIT), 1.0)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"coupling": 1e9}, "`coupling` must be between 0 and 50 1/s, got 1000000000.0."),
+        ({"amplitude_rate": 401.0}, "`amplitude_rate` must be between 0 and 400 1/s, got 401.0."),
+    ],
+)
+def test_networks_faster_than_their_steps_are_refused(changes, message):
+    with pytest.raises(ValueError, match="must be") as refusal:
+        PhaseOscillators(gait=GAIT, **changes)
+    assert message in str(refusal.value)
+
+
+def test_feedback_stronger_than_the_steps_can_follow_ends_in_one_sentence():
+    network = PhaseOscillators(gait=GAIT, feedback=Feedback(stretch=1e6))
+    with pytest.raises(
+        ValueError,
+        match=r"`feedback` must pull phases by at most 200 1/s, .* got gains that pull by",
+    ):
+        lc.swim("mamba", network, 2.0, joints="servo")
+
+
+def test_the_strongest_coupling_still_settles_at_the_lag_of_the_gait():
+    network = PhaseOscillators(gait=GAIT, coupling=50.0, seed=1)
+    trial = lc.swim("mamba", network, 6.0, joints="servo")
+    phases = np.array([trial.signals[f"phase_{i}"][-1] for i in range(8)])
+    lags = np.angle(np.exp(1j * np.diff(phases)))
+    assert np.degrees(lags) == pytest.approx(math.degrees(GAIT.phase_shift), abs=1.0)

@@ -31,6 +31,8 @@ PerNetwork: TypeAlias = Float[np.ndarray, "n_networks 1"]
 
 LONGEST_STEP = 0.01
 """Largest time step by which neurons are integrated [s]."""
+FASTEST_PULL = 2.0 / LONGEST_STEP
+"""Rate of decay beyond which the midpoint rule no longer follows neurons in such steps [1/s]."""
 ROUNDING = 1e-9
 """Time by which an instant may be too early and still counts [s]."""
 
@@ -320,10 +322,14 @@ class NeuralGait(Controller[NetworkState[Neurons]], Generic[Neurons]):
             drive: What is asked of them.
             observation: What the robot feels, or what many robots feel.
             elapsed: The time [s].
+
+        Raises:
+            ValueError: If feedback pulls phases faster than their steps can follow.
         """
         felt = np.zeros(drive.amplitude.shape)
         if self.feedback:
             felt = self.feedback.felt(observation)
+            _check_pull(felt)
         n_steps = math.ceil(elapsed / LONGEST_STEP - ROUNDING)
         for _ in range(n_steps):
             neurons = self.move(neurons, drive, felt, elapsed / n_steps)
@@ -342,3 +348,11 @@ def _moved(neurons: Neurons, rates: Neurons, dt: float) -> Neurons:
     """Return the neurons, a named tuple, after a time step at constant rates."""
     moved = [number + dt * rate for number, rate in zip(neurons, rates, strict=True)]
     return type(neurons)(*moved)
+
+
+def _check_pull(felt: PerJoint) -> None:
+    """Reject feedback that is too strong for the steps of the neurons."""
+    pull = float(np.max(np.abs(felt)))
+    if pull > FASTEST_PULL:
+        rule = f"must pull phases by at most {FASTEST_PULL:g} 1/s, which steps of {LONGEST_STEP:g} s follow"
+        raise BadArgument("feedback", f"{rule}, got gains that pull by {pull:.3g} 1/s")

@@ -21,7 +21,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from laticauda.control.neural.many import vectorize_networks
-from laticauda.control.neural.network import Drive, NeuralGait, PerJoint, PerNetwork, Signals
+from laticauda.control.neural.network import (
+    FASTEST_PULL,
+    Drive,
+    NeuralGait,
+    PerJoint,
+    PerNetwork,
+    Signals,
+)
 from laticauda.scenarios import VectorController
 from laticauda.values import quantity, value_class
 
@@ -41,13 +48,25 @@ class Oscillators(NamedTuple):
     """x' [rad/s]."""
 
 
+FASTEST_COUPLING = 0.25 * FASTEST_PULL
+"""Largest w: in a chain, differences of phases decay at up to 4 w [1/s]."""
+FASTEST_SETTLING = 2.0 * FASTEST_PULL
+"""Largest a: amplitudes settle at a / 2 [1/s]."""
+
+
 @value_class
 class PhaseOscillators(NeuralGait[Oscillators]):
     """Phase oscillators, see the module."""
 
-    coupling: float = quantity("1/s", "w, how fast neighbors pull", ge=0.0, default=4.0)
+    coupling: float = quantity(
+        "1/s", "w, how fast neighbors pull", ge=0.0, le=FASTEST_COUPLING, default=4.0
+    )
     amplitude_rate: float = quantity(
-        "1/s", "a, how fast amplitudes and offset settle", gt=0.0, default=10.0
+        "1/s",
+        "a, how fast amplitudes and offset settle",
+        gt=0.0,
+        le=FASTEST_SETTLING,
+        default=10.0,
     )
 
     @classmethod
