@@ -181,6 +181,16 @@ def test_a_step_of_lengths_has_a_multiple_within_the_bounds(bounds, step):
         )
 
 
+def test_tapered_lengths_are_no_multiples_of_a_step():
+    with pytest.raises(ValueError, match=r"`length_step` must be left out if lengths are tapered"):
+        Optimization(
+            scenario=SCENARIO,
+            bounds={"robot.taper.length.head": (0.1, 0.2)},
+            objectives="forward_velocity",
+            length_step=0.001,
+        )
+
+
 def test_ballast_makes_every_module_as_heavy_as_its_water():
     light = tuple(replace(module, mass=0.4) for module in ROBOT.modules)
     scenario = replace(SCENARIO, robot=replace(ROBOT, modules=light))

@@ -62,6 +62,7 @@ OBJECTIVES = (
 SPEED_POWER = ("forward_velocity", "mechanical_power")
 """The objectives, unless others are stated."""
 LENGTH_OF_MODULES = "robot.module.length"
+TAPER_OF_LENGTHS = "robot.taper.length."
 MASS_OF_MODULES = "robot.module.mass"
 VIOLATION = "violation"
 """Name of the column that says how far a point is from being feasible."""
@@ -153,6 +154,10 @@ class Optimization(Limits):
         """Reject a step of lengths of which no multiple lies within the bounds of a length."""
         if self.length_step is None:
             return
+        for name in self.names:
+            if name.startswith(TAPER_OF_LENGTHS):
+                rule = f"must be left out if lengths are tapered (`{name}`): they are no multiples then"
+                raise BadArgument("length_step", f"{rule}, got {self.length_step:g} m")
         for name, is_length, low, high in zip(
             self.names, self.is_length, *self._bound_arrays(), strict=True
         ):
