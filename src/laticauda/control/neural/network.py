@@ -14,6 +14,7 @@ import math
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from typing import Any, ClassVar, Generic, TypeAlias, TypeVar
 
 import numpy as np
@@ -273,8 +274,7 @@ class NeuralGait(Controller[NetworkState[Neurons]], Generic[Neurons]):
             return self._stack("natural_shares", n_joints)
         if self.seed is None or self.spread == 0.0:
             return np.ones(n_joints)
-        random = np.random.default_rng((self.seed, 1))
-        return 1.0 + self.spread * random.standard_normal(n_joints)
+        return 1.0 + self.spread * _standard_deviates(self.seed, n_joints)
 
     def _steer(
         self, state: NetworkState[Neurons], observation: Observation
@@ -348,6 +348,14 @@ def _moved(neurons: Neurons, rates: Neurons, dt: float) -> Neurons:
     """Return the neurons, a named tuple, after a time step at constant rates."""
     moved = [number + dt * rate for number, rate in zip(neurons, rates, strict=True)]
     return type(neurons)(*moved)
+
+
+@lru_cache(maxsize=1024)  # asked for at every control instant
+def _standard_deviates(seed: int, n_joints: int) -> PerJoint:
+    """Return the deviates of a seed that spread natural frequencies."""
+    deviates = np.random.default_rng((seed, 1)).standard_normal(n_joints)
+    deviates.flags.writeable = False
+    return deviates
 
 
 def _check_pull(felt: PerJoint) -> None:

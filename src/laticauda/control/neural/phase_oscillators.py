@@ -13,6 +13,7 @@ References:
     swimming based on local hydrodynamic force sensing.
 """
 
+import math
 from collections.abc import Sequence
 from functools import cache
 from types import ModuleType
@@ -178,9 +179,9 @@ class _Settling(NamedTuple):
 def _table_of(numbers: Any, shape: tuple[int, ...]) -> np.ndarray:
     """Return numbers as a table: one for all, a column, a row, or a table."""
     table = np.asarray(numbers)
-    if table.shape != shape:
-        table = np.broadcast_to(table, shape)
-    return np.ascontiguousarray(table)
+    if table.size == math.prod(shape):  # as of one network, nearly always
+        return np.ascontiguousarray(table).reshape(shape)
+    return np.ascontiguousarray(np.broadcast_to(table, shape))
 
 
 def _column_of(numbers: Any, n_networks: int) -> np.ndarray:

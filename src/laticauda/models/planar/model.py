@@ -282,7 +282,7 @@ class PlanarPlant(Plant[Planar]):
     def _rows_of_command(self, command: Command) -> np.ndarray:
         """Return all rows except those of the offset, the state and a recording.
 
-        Steering by the offset alone needs the same rows every time: those of the last gait are kept.
+        Steering by the offset alone needs the same rows every time, and so do the loads after a run: the last are kept.
         """
         is_gait_alone = (
             command.references is None
@@ -290,11 +290,12 @@ class PlanarPlant(Plant[Planar]):
             and command.thrusts is None
             and command.deflections is None
         )
-        last_gait, last_rows = self._last_rows
-        if is_gait_alone and command.gait is last_gait:
+        source = command.gait if is_gait_alone else command
+        last_source, last_rows = self._last_rows
+        if source is last_source:
             return last_rows
         new_rows = self._compute_rows(command)
-        vars(self)["_last_rows"] = command.gait if is_gait_alone else None, new_rows
+        vars(self)["_last_rows"] = source, new_rows
         return new_rows
 
     def _compute_rows(self, command: Command) -> np.ndarray:
@@ -323,8 +324,8 @@ class PlanarPlant(Plant[Planar]):
         return S
 
     @cached_property
-    def _last_rows(self) -> tuple[gaits.Gait | None, np.ndarray]:
-        """The last gait that was commanded alone, and its rows."""
+    def _last_rows(self) -> tuple[gaits.Gait | Command | None, np.ndarray]:
+        """The last command, or its gait if it commanded no more, and its rows."""
         return None, self.layout.template
 
     def towing_load(self, speed: float, angle: float = 0.0) -> tuple[float, float, float]:
