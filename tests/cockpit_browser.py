@@ -115,9 +115,10 @@ def field(page, label):
 
 
 def choose(page, label, wanted):
-    """Choose something from a list."""
+    """Choose something from a list, and wait until its field shows that."""
     field(page, label).click()
     page.get_by_role("option", name=wanted, exact=True).click()
+    assert until(lambda: field(page, label).input_value() == wanted)
 
 
 def drag(page, slider, share):
