@@ -93,7 +93,8 @@ def test_what_is_done_on_the_page_acts_at_once_and_is_seen(chromium, address, tm
     page, folder = open_page(chromium, address), shots(tmp_path)
     sliders = page.get_by_role("slider")
     pause = page.get_by_text("pause", exact=True)
-    assert until(lambda: number(page, SPEED) > 0.14)  # no transient any more
+    # Steadily, it swims at 0.143 m/s, and at 80 degrees a second at 0.113, a fifth less.
+    assert until(lambda: number(page, SPEED) > 0.142)
     before, speed = picture(page, folder / "1-swims.png"), number(page, SPEED)
 
     # A slider: the speed and the picture change. A paused world stands still in the picture.
