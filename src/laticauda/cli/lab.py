@@ -222,7 +222,9 @@ class Lab(Command):
         model = model_of(body.model, **changes)
         start = lc.Start()
         if body.scenario is not None:
-            start = _start_of(body.scenario)
+            from laticauda.missions import start_of  # only with a mission, as above
+
+            start = start_of(body.scenario)
         default = cls(
             body=body,
             start=start,
@@ -311,13 +313,6 @@ def _water_of(scenario: Scenario) -> Water:
     if not isinstance(scenario.environment, Water):
         raise BadArgument("mission", "must be one in water, got one on the ground")
     return scenario.environment
-
-
-def _start_of(scenario: Scenario) -> lc.Start:
-    """Return where the robot of a mission starts."""
-    if not isinstance(scenario.start, lc.Start):
-        raise BadArgument("mission", "must be one that starts anew, got one that continues a run")
-    return scenario.start
 
 
 def _obey_lines(server: "lab.Lab") -> None:

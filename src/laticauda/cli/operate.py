@@ -9,7 +9,6 @@ from typing import Any
 
 from laticauda.cli import command, flags
 from laticauda.models import simulate
-from laticauda.scenarios import Scenario, Start
 from laticauda.tank.operate import drivers, run_series, session, settings, terminal
 from laticauda.values import BadArgument, RobotFileError, option, quantity, read_text, value_class
 
@@ -169,12 +168,13 @@ class Operate(command.Command):
         if operation.body() != scenario.robot:
             rule = "must be one of the robot in the trial file, with the same parameters"
             raise BadArgument("mission", f"{rule}, got one of `{scenario.robot.name}`")
+        start = missions.start_of(scenario)
         return replace(
             operation,
             name=Path(self.mission).stem,
             steering=missions.mission_of(scenario),
             following=None,
-            start=_placement_of(scenario),
+            start=settings.Placement(position=start.center_of_mass, heading=start.heading),
             duration=scenario.duration,
         )
 
@@ -187,12 +187,3 @@ class Operate(command.Command):
         if self.supply_voltage is None:
             return operation
         return replace(operation, supply_voltage=self.supply_voltage)
-
-
-def _placement_of(scenario: Scenario) -> settings.Placement:
-    """Return where the robot of a mission has to be put."""
-    if not isinstance(scenario.start, Start):
-        raise BadArgument("mission", "must be one that starts anew, got one that continues a run")
-    return settings.Placement(
-        position=scenario.start.center_of_mass, heading=scenario.start.heading
-    )

@@ -86,6 +86,7 @@ if TYPE_CHECKING:
         read_changes as read_changes,
         run_mission as run_mission,
         run_missions as run_missions,
+        start_of as start_of,
         swim_to_dock as swim_to_dock,
     )
     from laticauda.missions.steering import Helm as Helm, Steering as Steering
@@ -144,6 +145,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "read_changes",
             "run_mission",
             "run_missions",
+            "start_of",
             "swim_to_dock",
         ],
         "laticauda.missions.steering": ["Helm", "Steering"],

@@ -74,10 +74,13 @@ def _sees(
     distance = np.linalg.norm(to_points, axis=1)
     bearing = np.arctan2(to_points[:, 1], to_points[:, 0]) - heading
     bearing = np.angle(np.exp(1j * bearing))
-    half_width = 0.5 * sonar.beam_width
-    in_fan = (bearing >= min(sonar.beams) - half_width) & (bearing <= max(sonar.beams) + half_width)
-    cosine = -np.sum(to_points * marks.normals, axis=1) / distance
-    return in_fan & (distance <= sonar.largest_range) & (cosine >= math.cos(LARGEST_INCIDENCE))
+    rightmost = min(sonar.beams) - 0.5 * sonar.beam_width
+    leftmost = max(sonar.beams) + 0.5 * sonar.beam_width
+    is_in_fan = (rightmost <= bearing) & (bearing <= leftmost)
+    is_in_range = distance <= sonar.largest_range
+    cosine_of_incidence = -np.sum(to_points * marks.normals, axis=1) / distance
+    is_faced = cosine_of_incidence >= math.cos(LARGEST_INCIDENCE)
+    return is_in_fan & is_in_range & is_faced
 
 
 def _marks_on(net: Net) -> _Marks:

@@ -33,6 +33,11 @@ class Condition(Extensible, group="conditions"):
         raise NotImplementedError
 
 
+def _silence_of(estimate: Estimate, sensor: str) -> float:
+    """Return for how long a sensor has told nothing new; infinite if it never told anything [s]."""
+    return estimate.silence.get(sensor, math.inf)
+
+
 @value_class
 class SensorSilent(Condition):
     """A sensor has told nothing new for some time."""
@@ -47,7 +52,7 @@ class SensorSilent(Condition):
 
     def is_met(self, estimate: Estimate) -> bool:
         """Return whether `estimate` meets it."""
-        return estimate.silence.get(self.sensor, math.inf) > self.longer_than
+        return _silence_of(estimate, self.sensor) > self.longer_than
 
 
 @value_class
@@ -64,7 +69,7 @@ class SensorHeard(Condition):
 
     def is_met(self, estimate: Estimate) -> bool:
         """Return whether `estimate` meets it."""
-        return estimate.silence.get(self.sensor, math.inf) <= self.within
+        return _silence_of(estimate, self.sensor) <= self.within
 
 
 @value_class
@@ -131,7 +136,7 @@ class Captured(Condition):
         """Return whether `estimate` meets it."""
         if estimate.beacon_distance is None or estimate.beacon_distance > self.radius:
             return False
-        is_heard = estimate.silence.get(self.beacon, math.inf) <= self.within
+        is_heard = _silence_of(estimate, self.beacon) <= self.within
         return is_heard and abs(wrapped(estimate.heading - self.heading)) <= self.tolerance
 
 

@@ -17,7 +17,7 @@ from laticauda.missions.inspection import (
 )
 from laticauda.missions.mission import Mission
 from laticauda.models.simulate import swim_side_by_side
-from laticauda.scenarios import Observation, Observations, Scenario
+from laticauda.scenarios import Observation, Observations, Scenario, Start
 from laticauda.sensing import Dock, Sonar
 from laticauda.trials import Trial
 from laticauda.values import BadArgument
@@ -82,6 +82,20 @@ def mission_of(scenario: object) -> Mission:
     if not isinstance(scenario, Scenario) or not isinstance(scenario.motion, Mission):
         raise BadArgument("scenario", "must be a scenario whose controller is a `mission`")
     return scenario.motion
+
+
+def start_of(scenario: Scenario) -> Start:
+    """Return where the robot of a mission starts.
+
+    Args:
+        scenario: The scenario.
+
+    Raises:
+        ValueError: If it goes on from where another run ended.
+    """
+    if not isinstance(scenario.start, Start):
+        raise BadArgument("mission", "must be one that starts anew, got one that continues a run")
+    return scenario.start
 
 
 def run_mission(scenario: Scenario) -> MissionResult:

@@ -231,12 +231,16 @@ def _limit_joints(optimization: Optimization, point: Point, threads: int | None)
         return _no_limit(optimization)
     low, high = optimization.box()
     steps = STEP_OF_PEAKS * (high - low)
-    swum = optimization.to_swim(np.vstack((point, point + np.diag(steps))))
+    neighbors = point + np.diag(steps)
+    swum = optimization.to_swim(np.vstack((point, neighbors)))
     columns = dict(zip(swum.names, swum.table.T, strict=True))
     peaks = run_joint_shares(optimization.scenario, columns, n_windows=N_WINDOWS, threads=threads)
     shares = peaks.reshape(-1, peaks.shape[-1]) / optimization.servo_share
-    near = shares[shares[:, 0] > LEAST_SHARE]
-    return _Differentiated(near[:, 0] - 1.0, (near[:, 1:] - near[:, :1]) / steps)
+    is_near = shares[:, 0] > LEAST_SHARE
+    at_point = shares[is_near, :1]
+    at_neighbors = shares[is_near, 1:]
+    slopes = (at_neighbors - at_point) / steps
+    return _Differentiated(at_point[:, 0] - 1.0, slopes)
 
 
 def _limit_body(optimization: Optimization, point: Point) -> _Differentiated:
