@@ -97,6 +97,10 @@ class Measured:
     phase: float
     """Phase of the tail's beat at time 0 [rad]."""
 
+    def __str__(self) -> str:
+        """Return speed and power in words."""
+        return f"{self.speed:.3f} m/s, {self.power:.3f} W"
+
 
 @dataclass(frozen=True)
 class Fit:
@@ -112,6 +116,15 @@ class Fit:
     """k [1/m]."""
     explained: float
     """Share of the variance that it explains [-]."""
+
+    def __str__(self) -> str:
+        """Return it in words."""
+        length = 2.0 * math.pi / self.wave_number
+        return (
+            f"{100.0 * self.mean:+.1f} % on average, {100.0 * self.depth:.1f} % more at "
+            f"{math.degrees(self.best):.0f} deg, once around in {length:.3f} m, "
+            f"{100.0 * self.explained:.0f} % of the variance"
+        )
 
 
 @cache
@@ -463,7 +476,7 @@ def main() -> None:
     wake = leader_wake()
     print(wake.words)
     print(f"spacing {wake.spacing:.3f} m, drift {wake.drift:.4f} m/s, jet {wake.jet:.4f} m/s")
-    print(alone())
+    print(f"alone: {alone()}")
     print(tabulate(rows))
     for beside in BESIDE:
         followers = [row for row in rows if row.beside == beside]

@@ -280,7 +280,7 @@ def _report_unfinished(sweep: studies.Sweep, merged: Merged, output: str) -> Out
 
 @value_class
 class Optimize(Study):
-    """Search for the best gait, fin or number of links, or for the front between speed and power.
+    """Search for the best gait, fin or body, or for the front between speed and power.
 
     For example: laticauda optimize --robot mamba --gait lateral-undulation --vary
     amplitude-deg=10:50 frequency-deg-s=50:150 phase-shift-deg=10:60 --objective speed-power --budget
