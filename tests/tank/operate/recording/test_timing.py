@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from laticauda.tank.operate.recording.timing import Timing, describe_punctuality
+from laticauda.values import BadArgument
 
 
 def test_missed_are_the_ticks_that_were_not_over_when_the_next_was_due():
@@ -27,3 +28,13 @@ def test_a_loop_without_ticks_says_so_and_no_more():
         describe_punctuality(Timing(times=np.empty((0, 3)), interval=0.01).summary())
         == "0 ticks of 10.00 ms, 0 missed"
     )
+
+
+@pytest.mark.parametrize("missing", ["interval", "lateness_median", "latency_p99_9"])
+def test_a_summary_that_lacks_a_figure_of_its_sentence_is_refused_by_that_figure(missing):
+    summary = Timing(times=np.array([[0.0, 0.001, 0.002]]), interval=0.01).summary()
+    del summary[missing]
+    with pytest.raises(
+        BadArgument, match=f"`timing` must hold {missing}, as `Timing.summary` does"
+    ):
+        describe_punctuality(summary)

@@ -7,9 +7,19 @@ from typing import TypeAlias
 import numpy as np
 from jaxtyping import Float
 
+from laticauda.values import BadArgument
+
 Durations: TypeAlias = Float[np.ndarray, " n_ticks"]
 PERCENTILES = {"median": 50.0, "p99": 99.0, "p99_9": 99.9, "largest": 100.0}
 """Percentiles of a summary, by the ends of their names [%]."""
+COUNTS = ("ticks", "interval", "missed")
+"""Figures of every summary, also of one without ticks."""
+SPREADS = tuple(
+    f"{name}_{percentile}"
+    for name in ("lateness", "latency")
+    for percentile in ("median", "p99_9", "largest")
+)
+"""Figures of a summary with ticks that are put into its sentence."""
 
 
 @dataclass(frozen=True)
@@ -95,14 +105,29 @@ def describe_punctuality(timing: Mapping[str, float | int]) -> str:
 
     Args:
         timing: `Timing.summary`, or the `timing` of a result in JSON.
+
+    Raises:
+        BadArgument: `timing` lacks one of the figures that the sentence needs.
     """
+    _check_figures(timing, COUNTS)
     interval = _milliseconds(timing["interval"])
     ticks = f"{timing['ticks']} ticks of {interval} ms, {timing['missed']} missed"
-    if "lateness_median" not in timing:
+    if timing["ticks"] == 0:
         return ticks
+    _check_figures(timing, SPREADS)
     lateness = _describe_spread(timing, "lateness")
     latency = _describe_spread(timing, "latency")
     return f"{ticks}; late by {lateness}; all sent after {latency}"
+
+
+def _check_figures(timing: Mapping[str, float | int], names: tuple[str, ...]) -> None:
+    missing = [name for name in names if name not in timing]
+    if missing:
+        raise BadArgument(
+            "timing",
+            f"must hold {', '.join(missing)}, as `Timing.summary` does, "
+            f"got {', '.join(timing) or 'no figures'}",
+        )
 
 
 def _describe_spread(timing: Mapping[str, float | int], name: str) -> str:
