@@ -194,7 +194,7 @@ def test_tapered_lengths_are_no_multiples_of_a_step():
 def test_ballast_makes_every_module_as_heavy_as_its_water():
     light = tuple(replace(module, mass=0.4) for module in ROBOT.modules)
     scenario = replace(SCENARIO, robot=replace(ROBOT, modules=light))
-    sought = replace(SOUGHT, scenario=scenario, ballast=True, buoyancy_tolerance=0.01)
+    sought = replace(SOUGHT, scenario=scenario, ballast=True, buoyancy_tolerance=None)
     robot = judge_design(sought).scenario.robot
     assert robot.mass == pytest.approx(1000.0 * robot.volume, rel=1e-12)
 
@@ -217,6 +217,10 @@ def test_a_refused_design_says_why():
         ({"battery_range": None}, "must come with one of `battery_range` and `battery_time`"),
         ({"battery": None}, "must be given with `battery_range`"),
         ({"shortest_module": 0.2, "longest_module": 0.1}, "must be >= `shortest_module`, 0.2 m"),
+        (
+            {"ballast": True},
+            "`buoyancy_tolerance` must be left out with `ballast`, .* got 0.1",
+        ),
         (
             {"scenario": replace(SCENARIO, robot=replace(ROBOT, active_power=None))},
             "`active_power`",

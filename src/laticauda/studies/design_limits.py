@@ -102,6 +102,11 @@ def check_design_limits(limits: DesignLimits, scenario: Scenario) -> None:
     if needs_water and not isinstance(scenario.environment, Water):
         name = "ballast" if limits.ballast else "buoyancy_tolerance"
         raise BadArgument(name, "must not be given on ground, where nothing floats")
+    if limits.ballast and limits.buoyancy_tolerance is not None:
+        rule = (
+            "must be left out with `ballast`, which fills modules up to the weight of their water"
+        )
+        raise BadArgument("buoyancy_tolerance", f"{rule}, got {limits.buoyancy_tolerance:g}")
     shortest = limits.shortest_module or 0.0
     longest = limits.longest_module or math.inf
     if shortest > longest:
@@ -120,7 +125,8 @@ def _check_battery(limits: DesignLimits, scenario: Scenario) -> None:
         return
     if len(purposes) != 1:
         rule = "must come with one of `battery_range` and `battery_time`"
-        raise BadArgument("battery", f"{rule}, got {' and '.join(purposes) or 'neither'}")
+        received = "both" if purposes else "neither"
+        raise BadArgument("battery", f"{rule}, got {received}")
     if not has_power_model(scenario.robot, scenario.model.joints):
         raise BadArgument(
             "battery",
