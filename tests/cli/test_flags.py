@@ -8,6 +8,7 @@ from laticauda.cli.flags import (
     options_of,
     parse_command,
     spell_field,
+    spell_fields_in,
     spell_flag,
     spell_option,
     was_typed,
@@ -108,6 +109,13 @@ def test_an_argument_is_told_by_its_option():
 def test_one_of_several_values_is_told_by_the_option_that_gives_them():
     assert spell_field("scenarios[1].model", View(file="a.nc")) == "--beside"
     assert spell_field("bounds[0]", None) == "--vary"
+
+
+def test_other_options_in_a_rule_are_told_by_their_flags():
+    rule = "must be < `angle`, unless `label` is `open`, and not `sigma`, got 2"
+    options = options_of(Draw())
+    spelled = "must be < --angle-deg, unless --label is `open`, and not `sigma`, got 2"
+    assert spell_fields_in(rule, options) == spelled
 
 
 def test_an_option_is_spelled_in_one_way_wherever_it_is_named():

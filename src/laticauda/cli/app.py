@@ -11,7 +11,14 @@ from typing import Annotated, Any, NamedTuple, NoReturn, Union
 import tyro
 
 from laticauda.cli.command import Command, warnings_as_lines
-from laticauda.cli.flags import BadFlag, spell_field, spell_part_of_file, wrap_text
+from laticauda.cli.flags import (
+    BadFlag,
+    options_of,
+    spell_field,
+    spell_fields_in,
+    spell_part_of_file,
+    wrap_text,
+)
 from laticauda.cli.surroundings import (
     check_memory,
     settle_streams,
@@ -129,8 +136,7 @@ def main(args: Sequence[str] | None = None) -> int:
         silence("stdout")  # its reader has gone
         return STATUS_BROKEN_PIPE
     except BadArgument as error:
-        subject = spell_part_of_file(error.name, typed) or spell_field(error.name, command)
-        return _complain(error.sentence_about(subject), STATUS_BAD_INPUT)
+        return _complain(_describe_bad_argument(error, command, typed), STATUS_BAD_INPUT)
     except SimulationFailed as error:
         return _complain(str(error), STATUS_FAILED)
     except (BadFlag, LaticaudaError, ValueError) as error:
@@ -252,6 +258,19 @@ def _refuse_with_only_command(
 @dataclass
 class _NoCommand:
     """Placeholder for a command in the list of commands; a class because tyro inspects functions by a slow import."""
+
+
+def _describe_bad_argument(
+    error: BadArgument, command: Command | None, typed: Sequence[str]
+) -> str:
+    """Return the sentence about an argument, which names options as they are typed."""
+    part_of_file = spell_part_of_file(error.name, typed)
+    if part_of_file:
+        return error.sentence_about(part_of_file)
+    subject = spell_field(error.name, command)
+    if command is None:
+        return error.sentence_about(subject)
+    return error.sentence_about(subject, spell_fields_in(error.rule, options_of(command)))
 
 
 def _describe_refusal(error: OSError) -> str:

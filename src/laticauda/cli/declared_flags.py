@@ -27,6 +27,7 @@ from laticauda.cli.flag_names import (
     is_internal,
     marked_types_of,
     options_of,
+    spell_fields_in,
     spell_option,
 )
 from laticauda.cli.flag_types import REQUIRED, BadFlag, read_first, words_flag
@@ -189,7 +190,8 @@ class _ValueMaker:
             for wave in self.waves:
                 value = with_typed_wave(value, wave, typed)
         except BadArgument as error:
-            raise BadFlag(error.sentence_about(self._spell(error.name))) from None
+            rule = spell_fields_in(error.rule, self.fields_by_flag.values())
+            raise BadFlag(error.sentence_about(self._spell(error.name), rule)) from None
         return value
 
     def _spell(self, argument: str) -> str:

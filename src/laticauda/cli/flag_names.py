@@ -13,7 +13,7 @@ the ending of its unit in degrees, see `laticauda.values.display_units`.
 import itertools
 import re
 import typing
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass
 from functools import cache
 from pathlib import Path
@@ -223,6 +223,21 @@ def spell_field(name: str, command: object) -> str:
     if option_name in FLAG_NAMES.spelling:
         return spell_flag(FLAG_NAMES.spelling[option_name])
     return f"`{name}`"
+
+
+def spell_fields_in(rule: str, options: Iterable[Field]) -> str:
+    """Return a rule with the flags of the options that it names in backticks.
+
+    Args:
+        rule: The rule that an argument breaks.
+        options: The options; other names keep their backticks.
+    """
+    flags = {field.name: spell_option(field) for field in options}
+
+    def spell(name: re.Match[str]) -> str:
+        return flags.get(name.group(1), name.group())
+
+    return re.sub(r"`(\w+)`", spell, rule)
 
 
 def spell_part_of_file(name: str, typed: Sequence[str]) -> str:

@@ -16,6 +16,7 @@ from laticauda.cli.flag_names import (
     options_of as options_of,
     parts_of as parts_of,
     spell_field as spell_field,
+    spell_fields_in as spell_fields_in,
     spell_flag as spell_flag,
     spell_option as spell_option,
     spell_part_of_file as spell_part_of_file,

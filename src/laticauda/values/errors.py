@@ -37,15 +37,17 @@ class BadArgument(ValueError):
         """Return the sentence shown to the user."""
         return self.sentence_about(f"`{self.name}`")
 
-    def sentence_about(self, subject: str) -> str:
+    def sentence_about(self, subject: str, rule: str = "") -> str:
         """Return the sentence for people who know the argument by another name.
 
         Args:
             subject: What they call it, such as ``--robot``.
+            rule: The rule with other arguments named as they call them; "": as it is.
         """
-        if self.rule.endswith("?"):  # it ends in a suggestion
-            return f"{subject} {self.rule}"
-        return f"{subject} {self.rule}."
+        rule = rule or self.rule
+        if rule.endswith("?"):  # it ends in a suggestion
+            return f"{subject} {rule}"
+        return f"{subject} {rule}."
 
 
 class InfeasibleWarning(UserWarning):
