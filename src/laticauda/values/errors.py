@@ -12,6 +12,17 @@ class LaticaudaError(Exception):
     """Base of all errors raised by laticauda, apart from the `ValueError` for a bad argument."""
 
 
+def as_sentence(text: str) -> str:
+    """Return a text with a period at its end, unless it ends in a suggestion: "did you mean this?".
+
+    Args:
+        text: The text, without a final period.
+    """
+    if text.endswith("?"):
+        return text
+    return f"{text}."
+
+
 class BadArgument(ValueError):
     """An argument that breaks a rule: a sentence for people, and its parts for callers that name it differently.
 
@@ -44,10 +55,7 @@ class BadArgument(ValueError):
             subject: What they call it, such as ``--robot``.
             rule: The rule with other arguments named as they call them; "": as it is.
         """
-        rule = rule or self.rule
-        if rule.endswith("?"):  # it ends in a suggestion
-            return f"{subject} {rule}"
-        return f"{subject} {rule}."
+        return as_sentence(f"{subject} {rule or self.rule}")
 
 
 class InfeasibleWarning(UserWarning):
