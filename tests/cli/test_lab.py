@@ -113,7 +113,7 @@ def test_whoever_opens_the_lab_to_others_is_warned(capsys):
         (["--faults", "nowhere.toml"], "nowhere.toml: no such file"),
         (
             ["--parameters", "mamba-identified", "--water", "paper-eel"],
-            "--parameters must not be given with `water`: both define the water",
+            "--parameters must not be given with --water: both define the water",
         ),
         (["--parameters", "nowhere"], "nowhere"),
         (["--gait", "galop"], "--gait must be one of"),
