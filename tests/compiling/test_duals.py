@@ -11,7 +11,7 @@ import laticauda as lc
 from laticauda.compiling import (
     PROCESSOR,
     compile_scalar,
-    functions,  # noqa: F401 - it teaches lanes their sines
+    functions,
     inner,
     lane_types,
     lanes,
@@ -82,6 +82,13 @@ def test_arithmetic_carries_derivatives_through():
     )
     np.testing.assert_allclose(value[0], (x - 2) * x / 3, rtol=1e-15)
     np.testing.assert_allclose(slope, np.array(expected), rtol=1e-13, atol=1e-14)
+
+
+def test_the_slope_of_a_sine_is_its_cosine_to_the_last_bit():
+    x = rng.uniform(-40.0, 40.0, WIDTH)
+    (sine, cosine), (slope_of_sine, slope_of_cosine) = by_lanes(functions.sincos, x, 2)
+    np.testing.assert_array_equal(slope_of_sine, cosine)
+    np.testing.assert_array_equal(slope_of_cosine, -sine)
 
 
 def test_roots_of_zero_have_no_slope():

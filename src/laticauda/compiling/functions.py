@@ -1,6 +1,7 @@
 """sin, cos and tanh without branches, so that lanes stay in vector registers; a single lane is faster too.
 
-Floats, complex steps and lanes use the same source.
+Floats, complex steps and lanes use the same source. A complex step does not go through the
+polynomials: the derivative of a sine is the cosine, which is there already.
 """
 
 # pyright: basic
@@ -13,7 +14,7 @@ from numba.extending import overload
 
 from laticauda.compiling.inner import INLINED, inlined
 from laticauda.compiling.lane_types import Lanes
-from laticauda.compiling.lanes import bit, power_of_two, where
+from laticauda.compiling.lanes import bit, chained, power_of_two, where
 
 SHIFT = 6755399441055744.0
 """1.5 * 2^52: adding it to a number below 2^51 rounds to an integer, which the last bits of the sum then hold."""
@@ -68,9 +69,10 @@ def sincos(x):
 
     Reduction by multiples of pi/2 in three parts (Cody and Waite), then polynomials.
     """
-    shifted = x.real * TWO_PER_PI + SHIFT
+    number = x.real
+    shifted = number * TWO_PER_PI + SHIFT
     q = shifted - SHIFT
-    y = x - q * HALF_PI
+    y = number - q * HALF_PI
     y = y - q * HALF_PI_REST
     y = y - q * HALF_PI_REST_OF_REST
     z = y * y
@@ -81,7 +83,9 @@ def sincos(x):
     low = bit(shifted, 1)
     sine = where(odd, c, s)
     cosine = where(odd, s, c)
-    return where(low, -sine, sine), where(low ^ odd, -cosine, cosine)
+    sine = where(low, -sine, sine)
+    cosine = where(low ^ odd, -cosine, cosine)
+    return chained(sine, cosine, x), chained(cosine, -sine, x)
 
 
 @inlined
@@ -93,11 +97,13 @@ def expm1(x):
     """
     x = where(x.real < 700.0, x, 700.0 + 0.0 * x)
     x = where(x.real > -700.0, x, -700.0 + 0.0 * x)
-    q = (x.real * 1.4426950408889634 + SHIFT) - SHIFT
-    r = x - q * 0.6931471803691238
+    number = x.real
+    q = (number * 1.4426950408889634 + SHIFT) - SHIFT
+    r = number - q * 0.6931471803691238
     r = r - q * 1.9082149292705877e-10
     scale = power_of_two(q + (SHIFT + 1023.0))
-    return scale * (polynomial(r, EXPONENTIAL) * r) + (scale - 1.0)
+    growth = scale * (polynomial(r, EXPONENTIAL) * r) + (scale - 1.0)
+    return chained(growth, growth + 1.0, x)
 
 
 @inlined

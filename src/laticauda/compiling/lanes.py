@@ -243,6 +243,22 @@ def magnitude(typingctx, x):
 
 
 @intrinsic
+def chained(typingctx, value, slope, x):
+    """Return the value of a function of x, with the derivative that x and the function's slope give it, if x has one.
+
+    Value and slope have no derivative themselves.
+    """
+
+    def codegen(context, builder, sig, args):
+        if not isinstance(x, types.Complex | Duals):
+            return args[0]
+        _, derivative = parted(context, builder, x, x, args[2])
+        return joined(context, builder, x, [args[0], builder.fmul(args[1], derivative)])
+
+    return x(value, slope, x), codegen
+
+
+@intrinsic
 def any_lane(typingctx, condition):
     """Return whether a condition holds in at least one lane."""
 
