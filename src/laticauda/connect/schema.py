@@ -15,7 +15,7 @@ from laticauda.connect.decoding import InitialMessageState
 from laticauda.motion.gaits import Gait
 from laticauda.robot import Water
 from laticauda.scenarios import Observation, Start
-from laticauda.trials import FIGURES
+from laticauda.trials import FIGURES, LOAD_FIGURES, Trial
 from laticauda.values import SERIES, Extensible, Quantity, Series, quantities
 
 Schema: TypeAlias = dict[str, Any]
@@ -163,6 +163,9 @@ def _figures_schema() -> Schema:
         description = f"{figure.title} [{figure.unit}]"
         figures[figure.name] = {"type": ["number", "null"], "description": description}
     required = ["status", "succeeded", *figures]
+    for name in LOAD_FIGURES:  # of trials with loads
+        figure = getattr(Trial, name)
+        figures[name] = {"type": "number", "description": f"{figure.title} [{figure.unit}]"}
     return {"type": "object", "properties": figures, "required": required}
 
 

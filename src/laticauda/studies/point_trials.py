@@ -196,7 +196,7 @@ def swim_points(
         there is none.
     """
     columns = dict(zip(names, table.T, strict=True))
-    batch, peaks = run_columns(scenario, columns, threads=threads, with_peaks=True)
+    batch, peaks, _ = run_columns(scenario, columns, threads=threads, with_peaks=True)
     results: dict[str, Column] = {}
     for name in FIGURES:
         if name in peaks:

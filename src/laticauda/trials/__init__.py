@@ -6,6 +6,7 @@ trial.py        `Trial`: the contents, with figures, pictures and files
 metrics.py      formulas of the figures
 moving_water.py what a current does to a run, in words
 wake.py         the wake of the robot, as water for another one
+load_figures.py figures of what the joints carry
 edge.py         incidence of the trailing edge, and whether its law holds
 cycles.py       whole gait cycles of a log, and means over them
 feasibility/    whether the robot can do what the run demands
@@ -61,6 +62,10 @@ if TYPE_CHECKING:
         thrust_error as thrust_error,
     )
     from laticauda.trials.following import nearest_points as nearest_points
+    from laticauda.trials.load_figures import (
+        LOAD_FIGURES as LOAD_FIGURES,
+        compute_load_figure as compute_load_figure,
+    )
     from laticauda.trials.side_pressure import side_areas as side_areas
     from laticauda.trials.moving_water import (
         MOVING_WATER_NOTE as MOVING_WATER_NOTE,
@@ -101,6 +106,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.trials.dataset": ["AXES"],
         "laticauda.trials.edge": ["ThrustError", "describe_edge", "thrust_error"],
         "laticauda.trials.following": ["nearest_points"],
+        "laticauda.trials.load_figures": ["LOAD_FIGURES", "compute_load_figure"],
         "laticauda.trials.several": ["note_differences"],
         "laticauda.trials.side_pressure": ["side_areas"],
         "laticauda.trials.moving_water": ["MOVING_WATER_NOTE", "describe_sweeping", "water_moves"],

@@ -87,7 +87,8 @@ def compare(*trials: Trial | Sequence[Trial]) -> Comparison:
     has_both_powers = len({trial.mean_power_kind for trial in compared_trials}) > 1
     rows: list[ComparedFigure] = []
     for figure in shown_figures(*compared_trials):
-        values = tuple(column[figure.name] for column in columns)
+        # Of some trials, no figure of loads is known.
+        values = tuple(column.get(figure.name) for column in columns)
         is_misleading = has_both_powers and figure.name in _OF_MEAN_POWER
         if not is_misleading and any(value is not None for value in values):
             rows.append(_compare_values(figure, values))

@@ -14,6 +14,7 @@ import numpy as np
 from laticauda.trials import contents, cycles, edge, metrics, moving_water, side_pressure
 from laticauda.trials.dataset import fields_of, save, to_dataset
 from laticauda.trials.feasibility import Feasibility, judge_feasibility, make_peak_figure
+from laticauda.trials.load_figures import LOAD_FIGURES, make_load_figure
 from laticauda.values import BadArgument, RunFailed, Suggesting, display_unit, html_table
 
 if TYPE_CHECKING:
@@ -32,6 +33,7 @@ MEANT = {
     "fluid": ("environment",),
     "from_file": ("laticauda.load_trial",),
     "joint_angles": ("joint_angle",),
+    "lateral_force": ("joint_force", "peak_shear_force"),
     "load": ("laticauda.load_trial",),
     "params": ("scenario",),
     "path": ("center_of_mass", "plot_path"),
@@ -226,6 +228,36 @@ class Trial(Suggesting, contents.Contents):
     """Largest used share of a joint's limit, of an actuator's speed or duty, or of the room between links; above 1 the
     robot cannot do it: see `feasibility` [-]."""
 
+    # ---- figures of a run with `link_forces` -----------------------------------------------------
+
+    peak_bending_moment = Figure(
+        "N m",
+        "largest bending moment in a joint, first cycle left out",
+        make_load_figure("peak_bending_moment"),
+    )
+    """Largest moment in a joint about the axes across the link on its tail side; this and the next five figures exclude
+    the first gait cycle [N m]."""
+    rms_bending_moment = Figure(
+        "N m", "rms of the bending moment in a joint", make_load_figure("rms_bending_moment")
+    )
+    """Root mean square of the same, in the joint where that is largest [N m]."""
+    peak_shear_force = Figure(
+        "N", "largest shear force in a joint", make_load_figure("peak_shear_force")
+    )
+    """Largest force in a joint across the link on its tail side: lateral, in space also vertical [N]."""
+    rms_shear_force = Figure(
+        "N", "rms of the shear force in a joint", make_load_figure("rms_shear_force")
+    )
+    """Root mean square of the same, in the joint where that is largest [N]."""
+    peak_axial_force = Figure(
+        "N", "largest axial force in a joint", make_load_figure("peak_axial_force")
+    )
+    """Largest force in a joint along the link on its tail side, pressure or tension [N]."""
+    rms_axial_force = Figure(
+        "N", "rms of the axial force in a joint", make_load_figure("rms_axial_force")
+    )
+    """Root mean square of the same, in the joint where that is largest [N]."""
+
     @cached_property
     def feasibility(self) -> Feasibility:
         """What the run demands of joints and actuators, what they offer, and why the robot cannot do it, if so."""
@@ -259,11 +291,11 @@ class Trial(Suggesting, contents.Contents):
     def figures(self) -> tuple[dict[str, float | None], dict[str, str]]:
         """Return all figures of `FIGURES` by name, None if meaningless for this run, and the reasons, by name.
 
-        Those of a run that failed are all None.
+        Those of a run that failed are all None. With `link_forces`, those of what joints carry follow.
         """
         values: dict[str, float | None] = {}
         reasons: dict[str, str] = {}
-        for figure in FIGURES:
+        for figure in _figures_of(self):
             try:
                 values[figure.name] = getattr(self, figure.name)
             except ValueError as reason:
@@ -316,7 +348,8 @@ class Trial(Suggesting, contents.Contents):
         Returns:
             In this order: `status`, `succeeded`, `robot`, `gait` and `environment` by name,
             `mean_power_kind`, every figure of `FIGURES` in SI units, None where it has no meaning
-            for this run, and `not_available`: the reason for each None.
+            for this run, with `link_forces` those of what joints carry, and `not_available`: the
+            reason for each None.
         """
         values, reasons = self.figures()
         return {
@@ -417,16 +450,30 @@ class Trial(Suggesting, contents.Contents):
 
 
 def shown_figures(*trials: Trial) -> list[Figure]:
-    """Return the figures that tables of some trials show: those through the water only if it moves in one of them.
+    """Return the figures that tables of some trials show.
+
+    Those through the water only if it moves in one of them, and those of what joints carry only if one
+    has loads.
 
     Args:
         trials: Any trials.
     """
+    figures = _figures_of(*trials)
     is_moving = any(moving_water.water_moves(trial.environment) for trial in trials)
     if is_moving:
-        return list(FIGURES)
-    return [figure for figure in FIGURES if figure.name not in moving_water.THROUGH_WATER]
+        return figures
+    return [figure for figure in figures if figure.name not in moving_water.THROUGH_WATER]
 
 
-FIGURES = tuple(value for value in vars(Trial).values() if isinstance(value, Figure))
-"""All figures of a trial, in the order of a table."""
+def _figures_of(*trials: Trial) -> list[Figure]:
+    """Return the figures that some trials have; those of what joints carry if one has loads."""
+    if any(trial.joint_force is not None for trial in trials):
+        return [*FIGURES, *_OF_LOADS]
+    return list(FIGURES)
+
+
+_ALL = tuple(value for value in vars(Trial).values() if isinstance(value, Figure))
+FIGURES = tuple(figure for figure in _ALL if figure.name not in LOAD_FIGURES)
+"""All figures of any trial, in the order of a table."""
+_OF_LOADS = tuple(figure for figure in _ALL if figure.name in LOAD_FIGURES)
+"""Those of a trial that was run with `link_forces`."""

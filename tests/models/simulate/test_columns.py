@@ -75,7 +75,7 @@ def one_by_one(scenarios):
 )
 def test_columns_have_the_bits_of_trials_that_are_objects(scenario, choices):
     columns = random_columns(19, **choices)
-    batch, peaks = run_columns(scenario, columns, threads=2, with_peaks=True)
+    batch, peaks, _ = run_columns(scenario, columns, threads=2, with_peaks=True)
     alone, peaks_alone = one_by_one(scenarios_of(scenario, columns))
     assert (batch.succeeded.tolist(), batch.status) == (alone.succeeded.tolist(), alone.status)
     for name, values in alone.figures.items():
@@ -92,7 +92,7 @@ def test_a_flow_and_dry_friction_go_the_longer_way_to_the_same_bits():
     stiff = replace(robot, joints=tuple(replace(joint, actuator=rough) for joint in robot.joints))
     for scenario in (replace(SHORT, environment=water), replace(SHORT, robot=stiff)):
         columns = random_columns(9)
-        batch, peaks = run_columns(scenario, columns, threads=1, with_peaks=True)
+        batch, peaks, _ = run_columns(scenario, columns, threads=1, with_peaks=True)
         alone, peaks_alone = one_by_one(scenarios_of(scenario, columns))
         np.testing.assert_array_equal(batch.figures["x"], alone.figures["x"])
         np.testing.assert_array_equal(peaks["utilization"], peaks_alone["utilization"])

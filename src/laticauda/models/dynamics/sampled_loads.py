@@ -23,19 +23,19 @@ LEFT = DIRECTIONS.index("left")
 
 
 class SampledLoads(NamedTuple):
-    """Loads at every sample."""
+    """Loads at every sample; those of robots side by side have one more axis, the last one."""
 
-    link_force: Float[np.ndarray, "n_kinds n_samples n_links n_axes"]
+    link_force: Float[np.ndarray, "n_kinds n_samples n_links n_axes *lanes"]
     """Forces of every kind on every link, world axes [N]."""
-    joint_force: Float[np.ndarray, "n_samples n_joints 3"]
+    joint_force: Float[np.ndarray, "n_samples n_joints 3 *lanes"]
     """Force in every joint: along, left, up [N]."""
-    joint_moment: Float[np.ndarray, "n_samples n_joints 3"]
+    joint_moment: Float[np.ndarray, "n_samples n_joints 3 *lanes"]
     """Moment in every joint, about the same axes [N m]."""
-    water_force: Float[np.ndarray, "n_samples n_links 3"]
+    water_force: Float[np.ndarray, "n_samples n_links 3 *lanes"]
     """Force of the water on every link, drag and added mass: along, left, up [N]."""
-    fin_force: Float[np.ndarray, "n_samples 3"]
+    fin_force: Float[np.ndarray, "n_samples 3 *lanes"]
     """Force of a fin on the tail link, in the axes of the fin's root [N]; 0 unless the fin has a joint there."""
-    fin_moment: Float[np.ndarray, "n_samples 3"]
+    fin_moment: Float[np.ndarray, "n_samples 3 *lanes"]
     """Moment of it about that joint, about the same axes [N m]."""
 
     def at(self, index: slice) -> "SampledLoads":
@@ -48,6 +48,10 @@ class SampledLoads(NamedTuple):
             fin_force=self.fin_force[index],
             fin_moment=self.fin_moment[index],
         )
+
+    def of_lane(self, lane: int) -> "SampledLoads":
+        """Return the loads of one robot of those side by side."""
+        return SampledLoads(*(values[..., lane] for values in self))
 
     def body_loads(
         self,
@@ -70,16 +74,19 @@ class SampledLoads(NamedTuple):
         )
 
     @classmethod
-    def zeros(cls, *, n_samples: int, n_links: int, n_axes: int) -> "SampledLoads":
-        """Return loads to be filled in."""
-        of_joints = (n_samples, n_links - 1, len(DIRECTIONS))
+    def zeros(
+        cls, *, n_samples: int, n_links: int, n_axes: int, lanes: tuple[int, ...] = ()
+    ) -> "SampledLoads":
+        """Return loads to be filled in; `lanes` is the number of robots side by side, if there are several."""
+        of_joints = (n_samples, n_links - 1, len(DIRECTIONS), *lanes)
+        of_fin = (n_samples, len(DIRECTIONS), *lanes)
         return cls(
-            link_force=np.zeros((len(FORCES), n_samples, n_links, n_axes)),
+            link_force=np.zeros((len(FORCES), n_samples, n_links, n_axes, *lanes)),
             joint_force=np.zeros(of_joints),
             joint_moment=np.zeros(of_joints),
-            water_force=np.zeros((n_samples, n_links, len(DIRECTIONS))),
-            fin_force=np.zeros((n_samples, len(DIRECTIONS))),
-            fin_moment=np.zeros((n_samples, len(DIRECTIONS))),
+            water_force=np.zeros((n_samples, n_links, len(DIRECTIONS), *lanes)),
+            fin_force=np.zeros(of_fin),
+            fin_moment=np.zeros(of_fin),
         )
 
 

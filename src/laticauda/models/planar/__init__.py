@@ -21,6 +21,7 @@ batch          many runs at once
 given_motion   loads of a motion that is known, as from a film
 fleet          many runs at once that controllers steer
 fleet_loads    what their links and joints bear
+load_log       loads at the samples of many runs
 school         many robots that are commanded step by step
 """
 

@@ -20,9 +20,11 @@ from jaxtyping import Float, Inexact, Int
 
 from laticauda.compiling.formulas import digest_of
 from laticauda.compiling.lane_types import split
+from laticauda.models.dynamics.sampled_loads import SampledLoads
 from laticauda.models.dynamics.school import GAIT_PARAMETERS, usable_cores
 from laticauda.models.planar import rows
 from laticauda.models.planar.layout import Layout
+from laticauda.models.planar.load_log import LoadLog
 from laticauda.models.planar.model import PlanarPlant
 from laticauda.models.planar.sample_format import column_of
 from laticauda.scenarios import Command, Controller, Start
@@ -91,6 +93,8 @@ class Block:
     """Work at the end: absolute, net and positive work of the joints, electrical work [J]."""
     n_samples: Int[np.ndarray, " n_runs"]
     """Number of samples before the run diverged; all samples if the run reached its end."""
+    loads: tuple[SampledLoads, ...] | None = None
+    """Loads of each run at the samples, which mean nothing from where it diverged; None: not requested."""
 
 
 class Device(Extensible, group="devices"):
@@ -109,6 +113,7 @@ def march_many(
     *,
     threads: int | None = None,
     with_joints: bool = False,
+    with_loads: bool = False,
 ) -> Iterator[Result]:
     """Simulate every run for `duration` and pass the results to `use`, block by block.
 
@@ -121,6 +126,8 @@ def march_many(
         use: Function that is called once per block, in the computing threads.
         threads: Number of threads; None: one per core that this process may use.
         with_joints: Whether to log everything that the kernels can log, including the joints.
+        with_loads: Whether to compute the loads at every sample, for which everything is logged; not
+            of runs with slopes.
 
     Yields:
         Return values of `use`, in no particular order of runs.
@@ -134,7 +141,7 @@ def march_many(
         plant = task_runs[0].plant  # kernel and rows are the same for all runs of a kind
         columns = columns_of(task_runs)
         n_rows = PATH_ROWS
-        if with_joints:
+        if with_joints or with_loads:
             n_rows = plant.layout.sample_size
         kind = float if runs[0].slope is None else complex
         log = aligned((1 + min(n_intervals, SAMPLES_PER_CALL), n_rows, WIDTH), kind)
@@ -142,7 +149,11 @@ def march_many(
         for first in range(0, len(task_runs), WIDTH):
             lanes = slice(first, first + WIDTH)
             S = side_by_side(columns[:, lanes], task_runs[lanes])
-            block = _march(plant, task[lanes], S, duration, n_intervals, log)
+            load_log: LoadLog | None = None
+            if with_loads:
+                plants = [run.plant for run in task_runs[lanes]]
+                load_log = LoadLog(plants, WIDTH, 1 + n_intervals)
+            block = _march(plant, task[lanes], S, duration, n_intervals, log, load_log)
             results.append(use(block))
         return results
 
@@ -228,6 +239,7 @@ def _march(
     duration: float,
     n_intervals: int,
     log: np.ndarray,
+    load_log: LoadLog | None,
 ) -> Block:
     """Simulate up to WIDTH runs of one kind side by side, starting from their rows.
 
@@ -252,12 +264,15 @@ def _march(
         is_well &= n_written == count + 1
         if path is not None:
             path[first + n_repeated : first + n_logged] = _numbers(part[n_repeated:n_logged])
+        if load_log is not None:
+            load_log.add(S, part[n_repeated:n_logged], first + n_repeated)
         if not is_well.any():
             break
     if path is None:
         path = _numbers(log)
     n = index.size
-    return block_of(index, path[..., :n], _numbers(S)[:, :n], n_samples[:n])
+    loads = None if load_log is None else load_log.loads()
+    return block_of(index, path[..., :n], _numbers(S)[:, :n], n_samples[:n], loads)
 
 
 def _path_without_samples(log: np.ndarray, duration: float, n_intervals: int) -> np.ndarray:
@@ -270,7 +285,13 @@ def _path_without_samples(log: np.ndarray, duration: float, n_intervals: int) ->
     return path
 
 
-def block_of(index: np.ndarray, path: np.ndarray, end: np.ndarray, n_samples: np.ndarray) -> Block:
+def block_of(
+    index: np.ndarray,
+    path: np.ndarray,
+    end: np.ndarray,
+    n_samples: np.ndarray,
+    loads: tuple[SampledLoads, ...] | None = None,
+) -> Block:
     """Return the results of runs, from their logs and their rows at the end."""
     return Block(
         index=index,
@@ -281,6 +302,7 @@ def block_of(index: np.ndarray, path: np.ndarray, end: np.ndarray, n_samples: np
         heading=end[rows.HEADING].copy(),
         work=end[rows.WORK_ABSOLUTE :][: rows.N_WORKS].copy(),
         n_samples=n_samples,
+        loads=loads,
     )
 
 

@@ -24,6 +24,7 @@ from laticauda.models.planar.batch import (
     columns_of,
 )
 from laticauda.models.planar.fleet_loads import FleetLoads, LoadsOfLanes
+from laticauda.models.planar.load_log import LoadLog
 from laticauda.scenarios import REFERENCES, Command, Decisions, Observation, Observations
 from laticauda.sensing import senses_of
 
@@ -61,9 +62,17 @@ class Fleet:
         runs: Runs of the same kind, see `batch.kinds_of`, with the same time step.
         n_samples: Number of samples of the log, after the first.
         with_joints: Whether to log everything that the kernels can log, including the joints.
+        with_loads: Whether to log the loads as well, for which everything is logged.
     """
 
-    def __init__(self, runs: Sequence[Run], n_samples: int, *, with_joints: bool) -> None:
+    def __init__(
+        self,
+        runs: Sequence[Run],
+        n_samples: int,
+        *,
+        with_joints: bool,
+        with_loads: bool = False,
+    ) -> None:
         self.runs = runs
         self.n = len(runs)
         self.plant = runs[0].plant
@@ -75,11 +84,18 @@ class Fleet:
         self._lanes = aligned((n_blocks, len(columns), WIDTH), float)
         self._lanes[:] = in_blocks.transpose(1, 0, 2)
         n_rows = PATH_ROWS
-        if with_joints:
+        logs_joints = with_joints or with_loads
+        if logs_joints:
             n_rows = self.plant.layout.sample_size
         self._log = aligned((n_blocks, 1 + n_samples, n_rows, WIDTH), float)
         self._between_samples = aligned((2, n_rows, WIDTH), float)
-        self._logs_joints = with_joints
+        self._logs_joints = logs_joints
+        self._load_logs: list[LoadLog] = []
+        """Loads of every block of lanes; empty if they are not requested."""
+        if with_loads:
+            plants = [run.plant for run in runs]
+            for first in range(0, self.n, WIDTH):
+                self._load_logs.append(LoadLog(plants[first : first + WIDTH], WIDTH, 1 + n_samples))
         self._lane_is_well = np.full((n_blocks, WIDTH), True)
         self._blocks_that_swim = list(range(n_blocks))
         self._n_samples = np.full((n_blocks, WIDTH), 1 + n_samples)
@@ -175,6 +191,8 @@ class Fleet:
             self._kernel(self._lanes[block], *chain, is_implicit, n_steps, dt, every, samples)
             if loads.is_wanted:  # at once, while the processor's cache holds the block
                 loads.evaluate_forces(block)
+            if self._load_logs:
+                self._log_loads(block, samples, leg)
             if is_in_log:
                 if leg.first > 0 and self._logs_joints:
                     samples[0] = sample_before
@@ -185,6 +203,16 @@ class Fleet:
                 log[leg.first + 1] = samples[1]
         loads.is_current = loads.is_wanted
         self._note_failures(leg)
+
+    def _log_loads(self, block: int, samples: np.ndarray, leg: "LoggedLeg") -> None:
+        """Log the loads at the samples of a leg; at a control instant they are those under the command before."""
+        load_log = self._load_logs[block]
+        lanes = self._lanes[block]
+        if leg.first == 0 and leg.begins_at_sample:
+            load_log.add(lanes, samples[:1], 0)
+        if leg.ends_at_sample:
+            n_intervals = leg.n_intervals if leg.begins_at_sample else 1
+            load_log.add(lanes, samples[1 : n_intervals + 1], leg.first + 1)
 
     def retire(self, has_ended: np.ndarray) -> None:
         """Let some robots swim no more; what they did is in the log.
@@ -211,6 +239,7 @@ class Fleet:
                 self._log[block, :, :, :n],
                 self._lanes[block, :, :n],
                 self._n_samples[block, :n],
+                self._load_logs[block].loads() if self._load_logs else None,
             )
 
     def read_joints(self, row: int) -> Float[np.ndarray, "n n_joints"]:

@@ -60,23 +60,57 @@ def compute_loads(
         samples: Samples of the march.
         mass: Mass of the whole robot [kg].
     """
-    n_samples = len(samples)
+    in_lane = samples[:, :, np.newaxis]
+    return _compute(link_forces, layout, S, in_lane, np.array([mass])).of_lane(0)
+
+
+def compute_loads_of_lanes(
+    link_forces: Any,
+    layout: Layout,
+    lanes: Float[np.ndarray, "n_rows n_lanes"],
+    samples: Float[np.ndarray, "n_samples n_numbers n_lanes"],
+    masses: Float[np.ndarray, " n_lanes"],
+) -> SampledLoads:
+    """Return the loads at every sample of a march of robots side by side, one lane each.
+
+    Args:
+        link_forces: The kernel `stepping.link_forces` for so many lanes.
+        layout: The robots in the kernels' form.
+        lanes: All rows under the commands of the march; they are left as they are.
+        samples: Samples of the march, in lanes of the kernels' kind.
+        masses: Masses of the robots [kg].
+    """
+    return _compute(link_forces, layout, lanes.copy(), samples, masses)
+
+
+def _compute(
+    link_forces: Any,
+    layout: Layout,
+    S: Float[np.ndarray, "n_rows ..."],
+    samples: Float[np.ndarray, "n_samples n_numbers n_lanes"],
+    masses: Float[np.ndarray, " n_lanes"],
+) -> SampledLoads:
+    """Return the loads at every sample in every lane; the rows are changed."""
+    n_samples, _, n_lanes = samples.shape
     tail = layout.tail_link
-    loads = SampledLoads.zeros(n_samples=n_samples, n_links=layout.n_bodies - tail, n_axes=2)
-    force = np.empty((n_samples, len(FORCES), layout.n_bodies, 2, 1))
-    records = layout.bodies_of(S)
-    read = np.empty((n_samples, layout.n_bodies, len(READ)))
+    loads = SampledLoads.zeros(
+        n_samples=n_samples, n_links=layout.n_bodies - tail, n_axes=2, lanes=(n_lanes,)
+    )
+    force = np.empty((n_samples, len(FORCES), layout.n_bodies, 2, n_lanes))
+    end = rows.HEADER_ROWS + layout.n_bodies * rows.BODY_ROWS
+    records = S[rows.HEADER_ROWS : end].reshape(layout.n_bodies, rows.BODY_ROWS, n_lanes)
+    read = np.empty((n_samples, layout.n_bodies, len(READ), n_lanes))
     # One by one, because the rows keep the accelerations of the last sample only.
     for k in range(n_samples):
-        link_forces(S, *layout.chain, samples[k : k + 1, :, np.newaxis], force[k : k + 1])
+        link_forces(S, *layout.chain, samples[k : k + 1], force[k : k + 1])
         read[k] = records[:, READ]
     bodies = {row: read[:, :, k] for k, row in enumerate(READ)}
-    by_kind = np.moveaxis(force[..., 0], 1, 0)
+    by_kind = np.moveaxis(force, 1, 0)
     joint_force = joint_forces(
         bodies,
         by_kind.sum(axis=0),
-        masses=mass * records[:, rows.MASS_SHARE],
-        first_moments=mass * records[:, rows.FIRST_MOMENT_SHARE],
+        masses=masses * records[:, rows.MASS_SHARE],
+        first_moments=masses * records[:, rows.FIRST_MOMENT_SHARE],
     )
     loads.joint_force[:, :, :2] = joint_force[:, tail:]
     joint_moment = joint_moments(bodies)
@@ -94,18 +128,18 @@ def compute_loads(
 
 def joint_forces(
     bodies: Bodies,
-    force: Float[np.ndarray, "n_states n_bodies 2"],
+    force: Float[np.ndarray, "n_states n_bodies 2 *lanes"],
     *,
-    masses: Float[np.ndarray, "... n_bodies"],
-    first_moments: Float[np.ndarray, "... n_bodies"],
-) -> Float[np.ndarray, "n_states n_joints 2"]:
+    masses: Float[np.ndarray, "..."],
+    first_moments: Float[np.ndarray, "..."],
+) -> Float[np.ndarray, "n_states n_joints 2 *lanes"]:
     """Return the force in the joint at the head end of every body but the last: along that body, to its left [N].
 
     Args:
         bodies: The bodies.
         force: Whole force on every body, world axes [N].
-        masses: Masses of the bodies [kg].
-        first_moments: Masses times the distance of their center from the tail end of the body [kg m].
+        masses: Masses of the bodies, in a shape that broadcasts to that of a row [kg].
+        first_moments: Masses times the distance of their center from the tail end of the body, likewise [kg m].
     """
     c = bodies[rows.COS]
     s = bodies[rows.SIN]
@@ -121,8 +155,8 @@ def joint_forces(
 
 
 def in_axes_of_bodies(
-    bodies: Bodies, vectors: Float[np.ndarray, "n_states n_bodies 2"]
-) -> Float[np.ndarray, "n_states n_bodies 2"]:
+    bodies: Bodies, vectors: Float[np.ndarray, "n_states n_bodies 2 *lanes"]
+) -> Float[np.ndarray, "n_states n_bodies 2 *lanes"]:
     """Return vectors along bodies and to their left.
 
     Args:
@@ -156,7 +190,7 @@ def left_of_bodies(bodies: Bodies, x: Numbers, y: Numbers) -> Numbers:
     return bodies[rows.COS] * y - bodies[rows.SIN] * x
 
 
-def joint_moments(bodies: Bodies) -> Float[np.ndarray, "n_states n_joints"]:
+def joint_moments(bodies: Bodies) -> Float[np.ndarray, "n_states n_joints *lanes"]:
     """Return the moment about the vertical in the joint at the tail end of every body but the first [N m].
 
     Args:

@@ -10,6 +10,7 @@ batch_scenarios.py  scenarios and runs of a batch, from the arguments of `swim_m
 batch_run.py        running a batch, block by block
 steered.py          runs that controllers steer, side by side
 steered_trials.py   trials of these, each with its log
+loads_of_many.py    what links and joints bear in each run of a batch
 batch_figures.py    what is kept of each run, and the figures computed from it
 run_table.py        many runs as columns, without an object for each
 table_run.py        running these
@@ -41,6 +42,7 @@ if TYPE_CHECKING:
         Sensitivities as Sensitivities,
         compute_sensitivities as compute_sensitivities,
     )
+    from laticauda.models.simulate.loads_of_many import TrialLoads as TrialLoads
     from laticauda.models.simulate.many import Swims as Swims, swim_many as swim_many
     from laticauda.models.simulate.numbers import (
         Parameter as Parameter,
@@ -100,6 +102,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "widen_by_textbook_error",
         ],
         "laticauda.models.simulate.sensitivity": ["Sensitivities", "compute_sensitivities"],
+        "laticauda.models.simulate.loads_of_many": ["TrialLoads"],
         "laticauda.models.simulate.many": ["Swims", "swim_many"],
         "laticauda.models.simulate.numbers": ["Parameter", "list_parameters"],
         "laticauda.models.simulate.plants": ["needs_compiling", "build_plant"],

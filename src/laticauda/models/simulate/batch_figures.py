@@ -78,8 +78,12 @@ def _change_of_start(runs: Sequence[Run], start: np.ndarray, end: float) -> np.n
     return (end - start) / frequency * change
 
 
-def _period_of(gait: Gait) -> float | None:
-    """Return the period of a gait [s]; None if it stands still."""
+def find_period(gait: Gait) -> float | None:
+    """Return the period of a gait [s]; None if it stands still.
+
+    Args:
+        gait: The gait.
+    """
     if gait.frequency > 0.0:
         return 2.0 * np.pi / gait.frequency
     return None
@@ -334,7 +338,7 @@ class _DrivenJoints(NamedTuple):
             joints = np.concatenate((joints, fin), axis=2)
         driven = joints[:, :, layout.tail_link :]
         is_settled = [
-            feasibility.find_settled_samples(block.time, _period_of(run.command.gait))
+            feasibility.find_settled_samples(block.time, find_period(run.command.gait))
             for run in runs
         ]
         return cls(

@@ -44,6 +44,7 @@ def run_batch(
     device: str = CPU,
     observe: BlockObserver = silent,
     with_joints: bool = False,
+    with_loads: bool = False,
     march: Callable[..., Iterator[int]] | None = None,
 ) -> BatchResult:
     """Run a batch, and return the figures of all blocks in the order of the runs.
@@ -61,6 +62,7 @@ def run_batch(
         observe: Called once per block, in the computing threads, before the next block overwrites
             its log; cpu only.
         with_joints: Whether the log that `observe` receives includes the motion of the joints.
+        with_loads: Whether the blocks that `observe` receives have loads; cpu only.
         march: Function that simulates the runs, with the arguments of `march_many`, if it is not that
             of the device.
     """
@@ -92,7 +94,13 @@ def run_batch(
 
     n_finished = 0
     for n_runs in march(
-        runs, duration, sample_interval, keep, threads=threads, with_joints=with_joints
+        runs,
+        duration,
+        sample_interval,
+        keep,
+        threads=threads,
+        with_joints=with_joints,
+        with_loads=with_loads,
     ):
         n_finished += n_runs
         progress(n_finished / len(runs))

@@ -2,6 +2,8 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, Unpack, cast
 
@@ -11,6 +13,7 @@ from jaxtyping import Bool, Float
 from laticauda.models.simulate.batch_figures import Block, Run, joint_peaks
 from laticauda.models.simulate.batch_run import CPU, BatchResult
 from laticauda.models.simulate.batch_scenarios import runs_of, scenarios_of_batch
+from laticauda.models.simulate.loads_of_many import KeptLoads, TrialLoads
 from laticauda.models.simulate.run_figures import UNITS, Figure, RunFigures, of_figure
 from laticauda.models.simulate.run_table import Columns, check_columns, scenarios_of_extremes
 from laticauda.models.simulate.runner import Progress, silent
@@ -20,7 +23,7 @@ from laticauda.models.simulate.table_run import run_columns
 from laticauda.motion.gaits import Gait
 from laticauda.robot import Environment, Robot
 from laticauda.scenarios import ModelChanges, Planar, Scenario, Spatial, Start, check_many
-from laticauda.trials import AXES, Trial
+from laticauda.trials import AXES, LOAD_FIGURES, Trial
 from laticauda.trials.feasibility import ROUNDING
 from laticauda.values import BadArgument, check_choice, check_instance
 
@@ -50,6 +53,20 @@ class Swims(RunFigures):
     """How each trial ended."""
     utilization: Float[np.ndarray, " n_trials"] | None = None
     """As in a `Trial`: above 1, the robot cannot do it; None if `feasibility` was not asked for [-]."""
+    peak_bending_moment: Figure | None = None
+    """As in a `Trial`; this and the next five are None if loads were not asked for [N m]."""
+    rms_bending_moment: Figure | None = None
+    """As in a `Trial` [N m]."""
+    peak_shear_force: Figure | None = None
+    """As in a `Trial` [N]."""
+    rms_shear_force: Figure | None = None
+    """As in a `Trial` [N]."""
+    peak_axial_force: Figure | None = None
+    """As in a `Trial` [N]."""
+    rms_axial_force: Figure | None = None
+    """As in a `Trial` [N]."""
+    loads: tuple[TrialLoads | None, ...] | None = None
+    """What links and joints bear in each trial, None for one that diverged; None if `link_forces` was not asked for."""
 
     def __repr__(self) -> str:
         """Return one line: how many trials, their speeds and powers, how many failed, and how many are infeasible."""
@@ -73,14 +90,14 @@ class Swims(RunFigures):
     def to_dataset(self) -> "xarray.Dataset":
         """Convert to an xarray Dataset with the dimension `trial`, labeled like the results of a sweep.
 
-        Add varied parameters with `assign_coords`; an amplitude, for instance, with
+        It holds the figures, not `loads`. Add varied parameters with `assign_coords`; an amplitude, for instance, with
         `amplitude=("trial", amplitudes)`.
         """
         import xarray
 
         variables: dict[str, Any] = {"status": ("trial", np.array(self.status, dtype=object))}
         for name, values in vars(self).items():
-            if name != "status" and values is not None:
+            if name not in ("status", "loads") and values is not None:
                 dimensions = ("trial", "axis")[: np.ndim(values)]
                 variables[name] = dimensions, values, of_figure(name)
         axes = AXES[: self.center_of_mass.shape[1]]
@@ -100,6 +117,8 @@ def swim_many(
     threads: int | None = None,
     device: str = CPU,
     feasibility: bool = False,
+    load_figures: bool = False,
+    link_forces: bool = False,
     progress: Progress = silent,
     **changes: Unpack[ModelChanges],
 ) -> Swims:
@@ -135,6 +154,11 @@ def swim_many(
         feasibility: Whether to compute `Swims.utilization` as well: which trials demand more than
             the robot offers. It takes about as long again as the fastest trials themselves, and
             works on the cpu.
+        load_figures: Whether to compute the figures of what joints carry as well, such as
+            `Swims.peak_bending_moment`. It takes several times as long as the fastest trials
+            themselves, or half as long again as trials with servos, and works on the cpu.
+        link_forces: Whether to keep the force on every link and what every joint carries at all
+            samples as well, as `Swims.loads`: about 1 MB for a trial of ten links and 30 s.
         progress: Called repeatedly with the completed share, from 0 to 1.
         changes: Settings of the model: `joints` (prescribed, pd, servo, or a joint law), `dt` [s]
             and the other fields of `laticauda.scenarios.ModelChanges`. A fluid law that branches
@@ -157,15 +181,16 @@ def swim_many(
         >>> lc.swim_many(scenario, columns=columns).forward_velocity.round(3)
         array([0.066, 0.091, 0.116])
     """
+    requested = _Requested(
+        feasibility=feasibility, load_figures=load_figures or link_forces, link_forces=link_forces
+    )
     if columns is not None:
         check_choice("device", device, (CPU,))
         if gaits is not None or environments is not None or starts is not None or changes:
             raise BadArgument(
                 "columns", "must be given with a scenario alone, and nothing to change it"
             )
-        return _swim_columns(
-            robots, columns, threads=threads, feasibility=feasibility, progress=progress
-        )
+        return _swim_columns(robots, columns, requested, threads=threads, progress=progress)
     scenarios = scenarios_of_batch(
         cast(Any, robots),
         gaits,
@@ -178,21 +203,13 @@ def swim_many(
     if scenarios and isinstance(getattr(scenarios[0], "model", None), Spatial):
         check_choice("device", device, (CPU,))
         check_many(scenarios)
-        result = run_spatial(scenarios, threads=threads, progress=progress)
-        utilization = None
-        if feasibility:
-            utilization = result.figures["utilization"]
-        return _swims_of(result, utilization)
-    if feasibility:
+        return _swim_spatial(scenarios, requested, threads=threads, progress=progress)
+    if requested.needs_log:
         check_choice("device", device, (CPU,))
     runs = runs_of(scenarios, steered=True)
     check_many(scenarios)
     first = scenarios[0]
-    largest_shares = np.full(len(runs), np.nan)
-
-    def keep_utilization(block_runs: Sequence[Run], block: Block) -> None:
-        largest_shares[block.index] = joint_peaks(block_runs, block)["utilization"]
-
+    kept = _KeptOfBlocks(len(runs), requested)
     result = run_mixed_batch(
         runs,
         first.duration,
@@ -200,20 +217,65 @@ def swim_many(
         threads=threads,
         progress=progress,
         device=device,
-        observe=keep_utilization if feasibility else silent,
-        with_joints=feasibility,
+        observe=kept.add if requested.needs_log else silent,
+        with_joints=requested.needs_log,
+        with_loads=requested.load_figures,
     )
-    if not feasibility:
-        return _swims_of(result, None)
-    return _swims_of(result, np.where(result.succeeded, largest_shares, np.nan))
+    return _swims_of(result, kept.of_request(result.succeeded))
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Requested:
+    """What was asked for besides the figures that cost nothing."""
+
+    feasibility: bool
+    load_figures: bool
+    link_forces: bool
+
+    @property
+    def needs_log(self) -> bool:
+        """Whether the log of the joints is needed."""
+        return self.feasibility or self.load_figures
+
+
+class _KeptOfBlocks:
+    """What is kept of the blocks of a batch for what was asked for.
+
+    Args:
+        n_runs: Number of runs.
+        requested: What was asked for.
+    """
+
+    def __init__(self, n_runs: int, requested: _Requested) -> None:
+        self._requested = requested
+        self._utilization = np.full(n_runs, np.nan)
+        self._loads = KeptLoads(n_runs, with_series=requested.link_forces)
+
+    def add(self, block_runs: Sequence[Run], block: Block) -> None:
+        """Keep what is needed of a block."""
+        if self._requested.feasibility:
+            self._utilization[block.index] = joint_peaks(block_runs, block)["utilization"]
+        if self._requested.load_figures:
+            self._loads.add(block_runs, block)
+
+    def of_request(self, succeeded: Bool[np.ndarray, " n_runs"]) -> dict[str, Any]:
+        """Return the fields of `Swims` that were asked for."""
+        fields: dict[str, Any] = {}
+        if self._requested.feasibility:
+            fields["utilization"] = np.where(succeeded, self._utilization, np.nan)
+        if self._requested.load_figures:
+            fields |= self._loads.figures
+        if self._requested.link_forces:
+            fields["loads"] = tuple(self._loads.series)
+        return fields
 
 
 def _swim_columns(
     scenario: object,
     columns: Columns,
+    requested: _Requested,
     *,
     threads: int | None,
-    feasibility: bool,
     progress: Progress,
 ) -> Swims:
     """Return the figures of a scenario with other values of some of its numbers; arguments as for `swim_many`."""
@@ -231,13 +293,24 @@ def _swim_columns(
             n_of_part = min(COLUMNS_AT_ONCE, n_trials - n_before)
             progress((n_before + share * n_of_part) / n_trials)
 
-        batch, peaks = run_columns(
-            checked_scenario, part, threads=threads, progress=report, with_peaks=feasibility
+        result = run_columns(
+            checked_scenario,
+            part,
+            threads=threads,
+            progress=report,
+            with_peaks=requested.feasibility,
+            with_loads=requested.load_figures,
+            with_load_series=requested.link_forces,
         )
-        utilization = None
-        if feasibility:
-            utilization = np.where(batch.succeeded, peaks["utilization"], np.nan)
-        parts.append(_swims_of(batch, utilization))
+        of_request: dict[str, Any] = {}
+        if requested.feasibility:
+            utilization = result.peaks["utilization"]
+            of_request["utilization"] = np.where(result.batch.succeeded, utilization, np.nan)
+        if result.loads is not None:
+            of_request |= result.loads.figures
+            if requested.link_forces:
+                of_request["loads"] = tuple(result.loads.series)
+        parts.append(_swims_of(result.batch, of_request))
     return _join_swims(parts)
 
 
@@ -245,13 +318,13 @@ def _join_swims(parts: Sequence[Swims]) -> Swims:
     """Return the trials of several parts, one after the other."""
     if len(parts) == 1:
         return parts[0]
-    status: list[str] = []
-    for part in parts:
-        status += part.status
-    joined: dict[str, Any] = {"status": tuple(status)}
+    joined: dict[str, Any] = {}
     for name, values in vars(parts[0]).items():
-        if name not in joined and values is not None:
-            joined[name] = np.concatenate([getattr(part, name) for part in parts])
+        values_of_parts = [getattr(part, name) for part in parts]
+        if isinstance(values, tuple):
+            joined[name] = tuple(chain.from_iterable(values_of_parts))
+        elif values is not None:
+            joined[name] = np.concatenate(values_of_parts)
     return Swims(**joined)
 
 
@@ -263,16 +336,16 @@ def _describe_range(values: np.ndarray) -> str:
     return f"{lowest} to {highest}"
 
 
-def _swims_of(result: BatchResult, utilization: np.ndarray | None) -> Swims:
-    """Return the figures of a batch with the final positions as vectors."""
+def _swims_of(result: BatchResult, of_request: Mapping[str, Any]) -> Swims:
+    """Return the figures of a batch with the final positions as vectors, and what was asked for besides."""
     positions = [result.figures[axis] for axis in AXES if axis in result.figures]
     scalar_figures: dict[str, Any] = {
         name: values
         for name, values in result.figures.items()
-        if name not in AXES and name != "utilization"
+        if name not in (*AXES, "utilization", *LOAD_FIGURES)
     }
     return Swims(
-        utilization=utilization,
+        **of_request,
         **scalar_figures,
         center_of_mass=np.stack(positions, axis=1),
         succeeded=result.succeeded,
@@ -280,8 +353,8 @@ def _swims_of(result: BatchResult, utilization: np.ndarray | None) -> Swims:
     )
 
 
-SPATIAL_FIGURES = (*UNITS, "z", "utilization")
-"""Names of the figures of a spatial trial."""
+SPATIAL_FIGURES = (*UNITS, "z", "utilization", *LOAD_FIGURES)
+"""Names of the figures of a spatial trial; those of loads only if they are asked for."""
 
 
 class _SpatialResult(NamedTuple):
@@ -291,24 +364,45 @@ class _SpatialResult(NamedTuple):
     """In the order of `SPATIAL_FIGURES`; None where the trial has none."""
     succeeded: bool
     status: str
+    loads: TrialLoads | None
+    """What links and joints bear, if all samples are to be kept."""
 
 
-def run_spatial(
-    scenarios: Sequence[Scenario], *, threads: int | None, progress: Progress
-) -> BatchResult:
-    """Compute the figures of spatial scenarios, and `z`; arguments as for `swim_many`."""
+def _swim_spatial(
+    scenarios: Sequence[Scenario],
+    requested: _Requested,
+    *,
+    threads: int | None,
+    progress: Progress,
+) -> Swims:
+    """Return the figures of spatial scenarios; arguments as for `swim_many`."""
     for i, scenario in enumerate(scenarios):
         check_instance(f"scenarios[{i}].model", scenario.model, Spatial)
-    trials = swim_each(scenarios, _spatial_result, threads=threads, progress=progress)
+    trials = swim_each(
+        scenarios,
+        partial(_spatial_result, keeps_loads=requested.link_forces),
+        link_forces=requested.load_figures,
+        threads=threads,
+        progress=progress,
+    )
     table = np.array([trial.numbers for trial in trials], dtype=float)
-    return BatchResult(
-        figures=dict(zip(SPATIAL_FIGURES, table.T, strict=True)),
+    figures = dict(zip(SPATIAL_FIGURES, table.T, strict=True))
+    result = BatchResult(
+        figures=figures,
         succeeded=np.array([trial.succeeded for trial in trials]),
         status=tuple(trial.status for trial in trials),
     )
+    of_request: dict[str, Any] = {}
+    if requested.feasibility:
+        of_request["utilization"] = figures["utilization"]
+    if requested.load_figures:
+        of_request |= {name: figures[name] for name in LOAD_FIGURES}
+    if requested.link_forces:
+        of_request["loads"] = tuple(trial.loads for trial in trials)
+    return _swims_of(result, of_request)
 
 
-def _spatial_result(trial: Trial) -> _SpatialResult:
+def _spatial_result(trial: Trial, *, keeps_loads: bool) -> _SpatialResult:
     """Return the figures of a trial; all are None if it diverged."""
     figures: Mapping[str, float | None] = {}
     if trial.succeeded:
@@ -318,4 +412,5 @@ def _spatial_result(trial: Trial) -> _SpatialResult:
         numbers=[figures.get(name) for name in SPATIAL_FIGURES],
         succeeded=trial.succeeded,
         status=trial.status,
+        loads=TrialLoads.of_trial(trial) if keeps_loads else None,
     )

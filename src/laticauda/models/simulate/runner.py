@@ -13,6 +13,7 @@ from typing import Any, NamedTuple, TypedDict, Unpack, cast
 import numpy as np
 
 from laticauda.models.dynamics.plant import Plant
+from laticauda.models.dynamics.sampled_loads import SampledLoads, join_loads
 from laticauda.models.dynamics.samples import Stretch, check_size, join_samples
 from laticauda.models.simulate.plants import build_plant
 from laticauda.models.simulate.timeline import (
@@ -206,22 +207,35 @@ def run_all(
     return [swimmer.trial(finished.duration, finished.failure) for swimmer in finished.swimmers]
 
 
-def run_samples(scenario: Scenario, plant: Plant[Any]) -> np.ndarray:
-    """Run a scenario on its plant, and return the raw samples of its log, up to the failure if it diverged.
+class RawLog(NamedTuple):
+    """The samples of a run as the kernels wrote them."""
+
+    samples: np.ndarray
+    """The samples, up to the failure if the run diverged; the first axis is time."""
+    loads: SampledLoads | None
+    """Loads at the samples, if they were requested and the run reached its end."""
+
+
+def run_samples(scenario: Scenario, plant: Plant[Any], *, link_forces: bool = False) -> RawLog:
+    """Run a scenario on its plant, and return the raw samples of its log.
 
     Args:
         scenario: Everything that determines the run.
         plant: The plant made from the scenario.
+        link_forces: Whether to keep the force on every link, and what every joint carries, too.
     """
 
     def march(
         states: States, commands: Sequence[Command], length: float, sample_interval: float
     ) -> Marched:
-        state, stretch, failure = plant.advance(states[0], commands[0], length, sample_interval)
+        state, stretch, failure = plant.advance(
+            states[0], commands[0], length, sample_interval, link_forces=link_forces
+        )
         return [state], [stretch], failure
 
     finished = _run_swimmers([scenario], [plant], march)
-    return join_samples(finished.swimmers[0].stretches)
+    stretches = finished.swimmers[0].stretches
+    return RawLog(join_samples(stretches), join_loads(stretch.loads for stretch in stretches))
 
 
 class _Finished(NamedTuple):

@@ -32,6 +32,7 @@ def swim_each(
     scenarios: Sequence[Scenario],
     use: Callable[[Trial], Result],
     *,
+    link_forces: bool = False,
     threads: int | None = None,
     progress: Progress = silent,
 ) -> list[Result]:
@@ -41,6 +42,7 @@ def swim_each(
         scenarios: Scenarios of any model; those with the same robot, environment and model should
             be adjacent, because a thread keeps the last plant that it made.
         use: Called with every trial, in the thread that ran it; only its return value is kept.
+        link_forces: Whether the trials have the force on every link, and what every joint carries.
         threads: Number of threads; None uses all cores that this process may use.
         progress: Called after every trial with the completed share, from 0 to 1.
 
@@ -52,7 +54,7 @@ def swim_each(
             others are abandoned.
     """
     results: list[Result] = []
-    runs = _ParallelRuns(scenarios, use)
+    runs = _ParallelRuns(scenarios, use, link_forces=link_forces)
     with ThreadPoolExecutor(threads or usable_cores()) as pool:
         try:
             for result in pool.map(runs.run, range(len(scenarios))):
@@ -69,11 +71,15 @@ class _ParallelRuns(Generic[Result]):
     Args:
         scenarios: The scenarios.
         use: Called with every trial.
+        link_forces: Whether the trials have loads.
     """
 
-    def __init__(self, scenarios: Sequence[Scenario], use: Callable[[Trial], Result]) -> None:
+    def __init__(
+        self, scenarios: Sequence[Scenario], use: Callable[[Trial], Result], *, link_forces: bool
+    ) -> None:
         self.scenarios = scenarios
         self.use = use
+        self.link_forces = link_forces
         self.is_over = Event()
         """Set when no more results are needed."""
         self._of_thread = local()
@@ -84,7 +90,10 @@ class _ParallelRuns(Generic[Result]):
         try:
             check_instance("", scenario, Scenario)
             plant = self._plant_of(scenario)
-            return self.use(runner.run_scenario(scenario, plant, progress=self._stop_if_over))
+            trial = runner.run_scenario(
+                scenario, plant, link_forces=self.link_forces, progress=self._stop_if_over
+            )
+            return self.use(trial)
         except BadArgument as error:
             name = f"scenarios[{i}].{error.name}".rstrip(".")
             raise BadArgument(name, error.rule) from error

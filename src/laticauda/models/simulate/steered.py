@@ -13,6 +13,7 @@ from typing import Any, NamedTuple, TypeVar, cast
 
 import numpy as np
 
+from laticauda.models.dynamics.sampled_loads import FORCES, SampledLoads
 from laticauda.models.dynamics.school import usable_cores
 from laticauda.models.planar import (
     PATH_ROWS,
@@ -20,6 +21,7 @@ from laticauda.models.planar import (
     Fleet,
     LoggedLeg,
     NeedsRunOfItsOwn,
+    PlanarPlant,
     Run,
     block_of,
     kinds_of,
@@ -47,7 +49,7 @@ from laticauda.scenarios import (
     vectorize,
 )
 from laticauda.sensing import BodyLoads
-from laticauda.values import check_choice
+from laticauda.values import DIRECTIONS, check_choice
 
 Result = TypeVar("Result")
 
@@ -57,6 +59,8 @@ SMALLEST_FLEET = 64
 """Robots of a fleet that is not shared by more threads."""
 LOG_BYTES = 64_000_000
 """Memory that the log of a fleet may take, unless it has very few robots."""
+NUMBERS_PER_LINK = len(FORCES) * 2 + 3 * len(DIRECTIONS)
+"""Numbers per sample that loads take per link: forces on it, in its joint, and of the water."""
 LEAST_LANES = 8
 """Robots of a fleet at least, however long its log."""
 
@@ -97,6 +101,7 @@ def run_mixed_batch(
     device: str = CPU,
     observe: BlockObserver = silent,
     with_joints: bool = False,
+    with_loads: bool = False,
 ) -> BatchResult:
     """Run a batch in which some runs may have controllers; arguments as for `run_batch`.
 
@@ -114,6 +119,7 @@ def run_mixed_batch(
             device=device,
             observe=observe,
             with_joints=with_joints,
+            with_loads=with_loads,
         )
     check_choice("device", device, (CPU,))
     results: list[BatchResult] = []
@@ -139,6 +145,7 @@ def run_mixed_batch(
             progress=report,
             observe=observe_members,
             with_joints=with_joints,
+            with_loads=with_loads,
             march=march_many if sampling is None else march_steered,
         )
         results.append(result)
@@ -182,6 +189,7 @@ def march_steered(
     *,
     threads: int | None = None,
     with_joints: bool = False,
+    with_loads: bool = False,
 ) -> Iterator[Result]:
     """Simulate every run for `duration` and pass the results to `use`, as `planar.batch.march_many` does.
 
@@ -193,6 +201,7 @@ def march_steered(
         use: Function that is called once per block, in the computing threads.
         threads: Number of threads; None: one per core that this process may use.
         with_joints: Whether to log everything that the kernels can log, including the joints.
+        with_loads: Whether to compute the loads at every sample, for which everything is logged.
 
     Yields:
         Return values of `use`, in no particular order of runs.
@@ -202,16 +211,27 @@ def march_steered(
     def work(members: np.ndarray) -> list[Result]:
         member_runs = [runs[int(i)] for i in members]
         try:
-            fleet = swim_fleet(member_runs, duration, sample_interval, with_joints=with_joints)
+            fleet = swim_fleet(
+                member_runs,
+                duration,
+                sample_interval,
+                with_joints=with_joints,
+                with_loads=with_loads,
+            )
         except NeedsRunOfItsOwn:
             return [
-                use(_swim_alone(run, int(i), duration, sample_interval))
+                use(_swim_alone(run, int(i), duration, sample_interval, with_loads=with_loads))
                 for run, i in zip(member_runs, members, strict=True)
             ]
         return [use(block) for block in fleet.blocks(members)]
 
     fleets = split_into_fleets(
-        runs, duration, sample_interval, n_threads=n_threads, with_joints=with_joints
+        runs,
+        duration,
+        sample_interval,
+        n_threads=n_threads,
+        with_joints=with_joints,
+        with_loads=with_loads,
     )
     with ThreadPoolExecutor(n_threads) as pool:
         for results in pool.map(work, fleets):
@@ -224,6 +244,7 @@ def swim_fleet(
     sample_interval: float,
     *,
     with_joints: bool,
+    with_loads: bool,
 ) -> Fleet:
     """Return a fleet after its whole run.
 
@@ -232,8 +253,11 @@ def swim_fleet(
         duration: Duration of the run [s].
         sample_interval: Time between two samples, not yet adjusted [s].
         with_joints: Whether to log the joints as well.
+        with_loads: Whether to log joints and loads as well.
     """
-    (fleet,) = swim_fleets([runs], duration, sample_interval, with_joints=with_joints)
+    (fleet,) = swim_fleets(
+        [runs], duration, sample_interval, with_joints=with_joints, with_loads=with_loads
+    )
     return fleet
 
 
@@ -243,6 +267,7 @@ def swim_fleets(
     sample_interval: float,
     *,
     with_joints: bool,
+    with_loads: bool = False,
     watch: Callable[[Observations, Mapping[str, np.ndarray]], np.ndarray] | None = None,
 ) -> list[Fleet]:
     """Return fleets after their whole run; the controllers of all decide together.
@@ -253,6 +278,7 @@ def swim_fleets(
         duration: Duration of the run [s].
         sample_interval: Time between two samples, not yet adjusted [s].
         with_joints: Whether to log the joints as well.
+        with_loads: Whether to log joints and loads as well.
         watch: Called after every control instant with what was observed of all robots and the signals
             of their controllers; robots for which it returns True swim no more, and the run ends when
             none does.
@@ -264,7 +290,8 @@ def swim_fleets(
     sampling = Sampling.of(controllers[0], duration, sample_interval)
     steering = vectorize(controllers)
     members = [
-        _Member(Fleet(runs, sampling.n_samples, with_joints=with_joints)) for runs in runs_of_fleets
+        _Member(Fleet(runs, sampling.n_samples, with_joints=with_joints, with_loads=with_loads))
+        for runs in runs_of_fleets
     ]
     ends = np.cumsum([member.fleet.n for member in members]).tolist()
     n_logged = 0
@@ -379,7 +406,9 @@ def _part_of_decisions(decisions: Decisions, robots: slice) -> Decisions:
     return decisions[robots]
 
 
-def _swim_alone(run: Run, index: int, duration: float, sample_interval: float) -> Block:
+def _swim_alone(
+    run: Run, index: int, duration: float, sample_interval: float, *, with_loads: bool
+) -> Block:
     """Return the results of a run that no fleet can hold."""
     plant = run.plant
     controller = cast("Controller[Any]", run.controller)
@@ -392,14 +421,23 @@ def _swim_alone(run: Run, index: int, duration: float, sample_interval: float) -
         duration=duration,
         sample_interval=sample_interval,
     )
-    samples = run_samples(scenario, plant)
+    alone = run_samples(scenario, plant, link_forces=with_loads)
+    samples = alone.samples
     n_samples = 1 + Sampling.of(controller, duration, sample_interval).n_samples
     log = np.full((n_samples, samples.shape[1], 1), np.nan)
     log[:, 0, 0] = np.linspace(0.0, duration, n_samples)
     log[: len(samples), :, 0] = samples
     last_rows = np.zeros((rows.HEADER_ROWS, 1))
     last_rows[rows.TIME : rows.TIME + rows.LOG_STATE, 0] = samples[-1, : rows.LOG_STATE]
-    return block_of(np.array([index]), log, last_rows, np.array([len(samples)]))
+    loads = None
+    if with_loads:
+        loads = (alone.loads or _no_loads(plant, len(samples)),)
+    return block_of(np.array([index]), log, last_rows, np.array([len(samples)]), loads)
+
+
+def _no_loads(plant: PlanarPlant, n_samples: int) -> SampledLoads:
+    """Return what takes the place of the loads of a run that diverged."""
+    return SampledLoads.zeros(n_samples=n_samples, n_links=plant.robot.n_links, n_axes=2)
 
 
 class _CommandedLeg(NamedTuple):
@@ -437,6 +475,7 @@ def split_into_fleets(
     *,
     n_threads: int,
     with_joints: bool,
+    with_loads: bool = False,
 ) -> Iterator[np.ndarray]:
     """Yield the indices of the runs of every fleet.
 
@@ -446,12 +485,15 @@ def split_into_fleets(
         sample_interval: Time between two samples, not yet adjusted [s].
         n_threads: Number of threads that share the fleets.
         with_joints: Whether the joints are logged as well.
+        with_loads: Whether the loads are logged as well.
     """
     first = cast("Controller[Any]", runs[0].controller)
     sampling = Sampling.of(first, duration, sample_interval)
     for members in _kinds_of_fleets(runs, duration / sampling.n_samples):
         plant = runs[members[0]].plant
         n_rows = plant.layout.sample_size if with_joints else PATH_ROWS
+        if with_loads:
+            n_rows = plant.layout.sample_size + NUMBERS_PER_LINK * plant.robot.n_links
         bytes_of_log = 8 * n_rows * (1 + sampling.n_samples)
         size = min(LARGEST_FLEET, max(LEAST_LANES, LOG_BYTES // bytes_of_log))
         size = min(size, max(SMALLEST_FLEET, -(-len(members) // n_threads)))

@@ -22,6 +22,7 @@ from laticauda.models.planar import (
     PATH_ROWS,
     SAMPLES_PER_CALL,
     WIDTH,
+    Block,
     Layout,
     Run,
     aligned,
@@ -33,6 +34,7 @@ from laticauda.models.simulate import batch_figures
 from laticauda.models.simulate.batch_figures import joint_peaks, periods_of
 from laticauda.models.simulate.batch_run import BatchResult
 from laticauda.models.simulate.batch_scenarios import runs_of
+from laticauda.models.simulate.loads_of_many import KeptLoads
 from laticauda.models.simulate.run_table import Columns, RunTable, make_run_table, scenarios_at
 from laticauda.models.simulate.runner import Progress, silent
 from laticauda.models.simulate.steered import run_mixed_batch
@@ -72,6 +74,8 @@ class TableResult(NamedTuple):
     """All figures."""
     peaks: dict[str, Float[np.ndarray, " n_runs"]]
     """Figures of `laticauda.trials.feasibility`, meaningless where a run diverged; empty if not asked for."""
+    loads: KeptLoads | None = None
+    """What is kept of the loads; None: not asked for."""
 
 
 def run_columns(
@@ -81,6 +85,8 @@ def run_columns(
     threads: int | None,
     progress: Progress = silent,
     with_peaks: bool,
+    with_loads: bool = False,
+    with_load_series: bool = False,
 ) -> TableResult:
     """Run a scenario with other values of some of its numbers.
 
@@ -90,11 +96,25 @@ def run_columns(
         threads: Number of threads; None uses all cores that this process may use.
         progress: Called repeatedly with the completed share, from 0 to 1.
         with_peaks: Whether to compute the figures of `laticauda.trials.feasibility`.
+        with_loads: Whether to compute those of what joints carry.
+        with_load_series: Whether to keep these loads at all samples as well.
     """
     duration, sample_interval = scenario.duration, scenario.sample_interval
     if isinstance(scenario.motion, Gait):
+        table = make_run_table(scenario, columns)
+        if with_loads:
+            kept_loads = KeptLoads(len(table), with_series=with_load_series)
+            return run_with_peaks(
+                _list_runs(table),
+                duration,
+                sample_interval,
+                threads=threads,
+                progress=progress,
+                with_peaks=with_peaks,
+                kept_loads=kept_loads,
+            )
         return run_table(
-            make_run_table(scenario, columns),
+            table,
             duration,
             sample_interval,
             threads=threads,
@@ -102,6 +122,9 @@ def run_columns(
             with_peaks=with_peaks,
         )
     points = np.stack(list(columns.values()), axis=1)
+    kept_loads = None
+    if with_loads:
+        kept_loads = KeptLoads(len(points), with_series=with_load_series)
     return run_with_peaks(
         runs_of(scenarios_at(scenario, tuple(columns), points), steered=True),
         duration,
@@ -109,6 +132,7 @@ def run_columns(
         threads=threads,
         progress=progress,
         with_peaks=with_peaks,
+        kept_loads=kept_loads,
     )
 
 
@@ -174,15 +198,19 @@ def _run_one_by_one(
     with_peaks: bool,
 ) -> TableResult:
     """Run a table as a batch, with an object for every run."""
-    runs = [table.run(i) for i in range(len(table))]
     return run_with_peaks(
-        runs,
+        _list_runs(table),
         duration,
         sample_interval,
         threads=threads,
         progress=progress,
         with_peaks=with_peaks,
     )
+
+
+def _list_runs(table: RunTable) -> list[Run]:
+    """Return an object for every run."""
+    return [table.run(i) for i in range(len(table))]
 
 
 def run_with_peaks(
@@ -193,6 +221,7 @@ def run_with_peaks(
     threads: int | None,
     progress: Progress,
     with_peaks: bool,
+    kept_loads: KeptLoads | None = None,
 ) -> TableResult:
     """Run a batch, and return its figures and the peaks of its joints; arguments as for `run_table`.
 
@@ -203,12 +232,17 @@ def run_with_peaks(
         threads: Number of threads.
         progress: Called repeatedly with the completed share, from 0 to 1.
         with_peaks: Whether to compute the peaks.
+        kept_loads: Receives the loads; None: they are not computed.
     """
     peaks = {name: np.full(len(runs), np.nan) for name in NEEDS}
+    has_loads = kept_loads is not None
 
-    def keep_peaks(block_runs: Sequence[Run], block: Any) -> None:
-        for name, values in joint_peaks(block_runs, block).items():
-            peaks[name][block.index] = values
+    def keep(block_runs: Sequence[Run], block: Block) -> None:
+        if with_peaks:
+            for name, values in joint_peaks(block_runs, block).items():
+                peaks[name][block.index] = values
+        if kept_loads is not None:
+            kept_loads.add(block_runs, block)
 
     batch = run_mixed_batch(
         runs,
@@ -216,10 +250,11 @@ def run_with_peaks(
         sample_interval,
         threads=threads,
         progress=progress,
-        observe=keep_peaks if with_peaks else silent,
+        observe=keep if with_peaks or has_loads else silent,
         with_joints=with_peaks,
+        with_loads=has_loads,
     )
-    return TableResult(batch, peaks if with_peaks else {})
+    return TableResult(batch, peaks if with_peaks else {}, kept_loads)
 
 
 @cache
