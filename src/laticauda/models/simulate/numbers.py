@@ -92,18 +92,29 @@ class Parameter:
 
 
 class ScenarioParameters(Mapping[str, Parameter]):
-    """Parameters of a scenario by name; names of single parts and of ranges are found without being listed."""
+    """Parameters of a scenario by name; names of single parts and of ranges are found without being listed.
 
-    def __init__(self, scenario: Scenario, listed: Mapping[str, Parameter]) -> None:
+    Those of robot, gait and so on are listed when one of them is asked for.
+    """
+
+    def __init__(
+        self, scenario: Scenario, *, each: bool = False, others: Mapping[str, Parameter]
+    ) -> None:
         self._scenario = scenario
-        self._listed = listed
+        self._each = each
+        """Whether the numbers of every single module and joint are listed."""
+        self._others = others
+        """Parameters besides those of the scenario."""
+        self._listed: dict[str, dict[str, Parameter]] = {}
+        """Listed parameters by the first word of their names."""
         self._found: dict[str, Parameter] = {}
         """Parameters of single parts and of ranges that were asked for."""
 
     def __getitem__(self, name: str) -> Parameter:
         """Return the parameter of a name."""
-        if name in self._listed:
-            return self._listed[name]
+        listed = self._find_listed(name)
+        if listed is not None:
+            return listed
         if name not in self._found:
             parameter = _find_of_parts(self._scenario, name)
             if parameter is None:
@@ -113,15 +124,35 @@ class ScenarioParameters(Mapping[str, Parameter]):
 
     def __iter__(self) -> Iterator[str]:
         """Yield the names that are listed."""
-        return iter(self._listed)
+        names: dict[str, None] = {}
+        for root in _roots_of(self._scenario):
+            names |= dict.fromkeys(self._list_of_root(root))
+        return iter(names | dict.fromkeys(self._others))
 
     def __len__(self) -> int:
         """Return the number of names that are listed."""
-        return len(self._listed)
+        return len(list(iter(self)))
 
     def __or__(self, others: Mapping[str, Parameter]) -> "ScenarioParameters":
         """Return these and others."""
-        return ScenarioParameters(self._scenario, {**self._listed, **others})
+        all_others = {**self._others, **others}
+        return ScenarioParameters(self._scenario, each=self._each, others=all_others)
+
+    def _find_listed(self, name: object) -> Parameter | None:
+        """Return a parameter that is listed; None if it is not."""
+        if not isinstance(name, str):
+            return None
+        if name in self._others:
+            return self._others[name]
+        root = name.partition(".")[0]
+        return self._list_of_root(root).get(name)
+
+    def _list_of_root(self, root: str) -> dict[str, Parameter]:
+        """Return the listed parameters whose names begin with a word."""
+        if root not in self._listed:
+            parameters = _numbers_of_root(self._scenario, root, each=self._each)
+            self._listed[root] = {parameter.name: parameter for parameter in parameters}
+        return self._listed[root]
 
     def explain_items(self, name: str) -> str:
         """Return the end of a message about a name whose brackets select nothing; "" for other names.
@@ -134,7 +165,7 @@ class ScenarioParameters(Mapping[str, Parameter]):
             numbers = " or ".join(tapers.TITLES)
             return f"; a taper is `robot.taper.`, then {quantities}, then .{numbers}"
         plain = strip_items(name)
-        if plain == name or plain not in self._listed:
+        if plain == name or self._find_listed(plain) is None:
             return ""
         return f"; items of `{plain}` count from 0 at the tail, such as [3] or [:5], as far as there are some"
 
@@ -160,22 +191,32 @@ def list_parameters(scenario: Scenario, *, each: bool = False) -> ScenarioParame
         >>> "robot.module[3].mass" in known, "robot.module[30].mass" in known
         (True, False)
     """
-    robot = scenario.robot
-    environment = scenario.environment
-    n_links = Parameter(name="robot.n_links", unit="", title="Number of links", is_whole=True)
-    parameters = [
-        *_numbers_in(scenario.gait, "gait"),
-        *_numbers_in(environment, environment_prefix(environment)),
-        *_numbers_in(scenario.model.joints, "joints"),
-        *_numbers_of_controller(scenario.motion),
-        n_links,
-        *_numbers_in(robot, "robot"),
-    ]
+    return ScenarioParameters(scenario, each=each, others={})
+
+
+def _roots_of(scenario: Scenario) -> Sequence[str]:
+    """Return the first words of the names of a scenario's parameters."""
+    return ("gait", environment_prefix(scenario.environment), "joints", "controller", "robot")
+
+
+def _numbers_of_root(scenario: Scenario, root: str, *, each: bool) -> Iterator[Parameter]:
+    """Yield the numbers of a scenario whose names begin with a word."""
+    if root == "controller":
+        yield from _numbers_of_controller(scenario.motion)
+    elif root == "robot":
+        yield from _numbers_of_robot(scenario.robot, each=each)
+    elif root in _roots_of(scenario):
+        yield from _numbers_in(_root_object(scenario, root), root)
+
+
+def _numbers_of_robot(robot: Robot, *, each: bool) -> Iterator[Parameter]:
+    """Yield the numbers of a robot, and if asked for those of every single module and joint."""
+    yield Parameter(name="robot.n_links", unit="", title="Number of links", is_whole=True)
+    yield from _numbers_in(robot, "robot")
     if each:
         for field, step in SINGULARS.items():
             for i, item in enumerate(getattr(robot, field)):
-                parameters += _numbers_in(item, f"robot.{step}[{i}]")
-    return ScenarioParameters(scenario, {parameter.name: parameter for parameter in parameters})
+                yield from _numbers_in(item, f"robot.{step}[{i}]")
 
 
 def _find_of_parts(scenario: Scenario, name: object) -> Parameter | None:

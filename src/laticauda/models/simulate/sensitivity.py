@@ -1,7 +1,7 @@
 """`compute_sensitivities`: the figures of trials with their derivatives with respect to parameters."""
 
 import functools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, Unpack
 
@@ -149,22 +149,20 @@ def compute_sensitivities(
         **changes,
     )
     runs = batch_scenarios.runs_of(scenarios)
-    parameters_of_each = [_parameters_of(names, scenario) for scenario in scenarios]
-    parameters = parameters_of_each[0]
-    point = [_values_of(parameters, scenario) for scenario in scenarios]
-    numbers: list[list[Number]] = []
-    for scenario, values in zip(scenarios, point, strict=True):
-        pairs = zip(parameters, values, strict=True)
-        numbers.append([_number_of(scenario, parameter, value) for parameter, value in pairs])
+    directory = _NumbersByName(names)
+    numbers_of_each = [directory.find_numbers(scenario) for scenario in scenarios]
+    point = [[number.value for number in numbers] for numbers in numbers_of_each]
     plants = [run.plant for run in runs]
     if gradients.is_cheaper(plants, n_figures=len(figures), n_numbers=len(names)):
         compute = _differentiate_backward
     else:
         compute = _differentiate_forward
-    derivatives = compute(runs, numbers, figures, scenarios[0], threads=threads, progress=progress)
+    derivatives = compute(
+        runs, numbers_of_each, figures, scenarios[0], threads=threads, progress=progress
+    )
     return Sensitivities(
         figures=tuple(figures),
-        parameters=parameters,
+        parameters=directory.find_parameters(scenarios[0]),
         point=np.array(point),
         values=derivatives.values,
         jacobian=derivatives.jacobian,
@@ -252,23 +250,57 @@ def _check_figures(figures: Sequence[str] | None) -> Sequence[str]:
     return [check_choice("figures", figure, tuple(UNITS)) for figure in figures]
 
 
-def _parameters_of(names: Sequence[str], scenario: Scenario) -> tuple[Parameter, ...]:
-    """Return the parameters of the given names.
+class _NumbersByName:
+    """The numbers of scenarios that some names stand for.
+
+    Those of robot, water and joints are looked up once for all scenarios that hold the same objects,
+    as `runs_of` makes one plant for them.
+    """
+
+    def __init__(self, names: Sequence[str]) -> None:
+        self._names = names
+        self._names_of_motion = [name for name in names if name.startswith(ROOTS_OF_MOTION)]
+        self._shared: dict[tuple[int, ...], dict[str, Number]] = {}
+        """Numbers that do not belong to the motion, by the identity of the objects that hold them."""
+
+    def find_numbers(self, scenario: Scenario) -> list[Number]:
+        """Return the numbers of a scenario.
+
+        Raises:
+            ValueError: If there is no parameter of a name, or it is a count.
+        """
+        known = list_parameters(scenario)
+        holders = id(scenario.robot), id(scenario.environment), id(scenario.model)
+        if holders not in self._shared:
+            names = [name for name in self._names if name not in self._names_of_motion]
+            self._shared[holders] = {name: _find_number(scenario, name, known) for name in names}
+        numbers = self._shared[holders]
+        if self._names_of_motion:
+            own = {name: _find_number(scenario, name, known) for name in self._names_of_motion}
+            numbers = numbers | own
+        return [numbers[name] for name in self._names]
+
+    def find_parameters(self, scenario: Scenario) -> tuple[Parameter, ...]:
+        """Return the parameters of a scenario, all of which it has."""
+        known = list_parameters(scenario)
+        return tuple(known[name] for name in self._names)
+
+
+ROOTS_OF_MOTION = ("gait.", "controller.")
+"""How names begin of numbers that belong to the motion of a scenario."""
+
+
+def _find_number(scenario: Scenario, name: str, known: Mapping[str, Parameter]) -> Number:
+    """Return the number of a scenario that a name stands for.
 
     Raises:
         ValueError: If there is no parameter of that name, or it is a count.
     """
-    known_parameters = list_parameters(scenario)
-    parameters = tuple(look_up(name, known_parameters, "names") for name in names)
-    for parameter in parameters:
-        if parameter.is_whole:
-            rule = "must be of numbers that can vary slightly"
-            raise BadArgument("names", f"{rule}, got `{parameter.name}`, a count")
-    return parameters
-
-
-def _values_of(parameters: Sequence[Parameter], scenario: Scenario) -> list[float]:
-    return [value_of(parameter.name, scenario) for parameter in parameters]
+    parameter = look_up(name, known, "names")
+    if parameter.is_whole:
+        rule = "must be of numbers that can vary slightly"
+        raise BadArgument("names", f"{rule}, got `{parameter.name}`, a count")
+    return _number_of(scenario, parameter, value_of(parameter.name, scenario))
 
 
 def _number_of(scenario: Scenario, parameter: Parameter, value: float) -> Number:
