@@ -1,23 +1,10 @@
 """Loads per link from a body's section and the water's dimensionless coefficients.
 
-With rho the water's density, a and b the vertical and lateral half-axes, l the half length:
-
-    c_t = 1/2 rho pi C_f (a+b)/2 2l      lambda_1 = rho pi C_M (a^2-b^2)^2 l^3 / 12
-    c_n = 1/2 rho C_D 2a 2l              lambda_2 = rho pi C_f (a+b) l^3 / 6
-    mu_n = rho pi C_A a^2 2l             lambda_3 = rho pi C_f (a+b) l^4 / 8
-    mu_t = C_T rho pi a b 2l
-
-Kelasidi, Liljeback, Pettersen and Gravdahl, Robotics and Biomimetics 2:8 (2015), Table 1; mu_t is 0
-there. Its lambda_2 and lambda_3 contain the tangential friction only, and the unit of its lambda_1
-is not that of an inertia (its value is negligible). ``rotational="strip"`` replaces all three by
-those of the normal loads distributed uniformly along a link that rotates about its middle:
-
-    lambda_1 = mu_n l^2 / 3              lambda_2 = c_n l^2 / 3              lambda_3 = c_n l^3 / 4
-
-In a water with a `friction_taper`, C_f (1 + taper (1 - 2 s)) replaces C_f on the links, where s is
-the position of the link's middle, from 0 at the tail end of the body to 1 at its head end; for
-links of equal length, the mean is C_f. The taper does not affect the fin, nor modules with their
-own C_f.
+Those of a link follow from its section, length and coefficients by the formulas of
+`laticauda.water.fluid.sections`. In a water with a `friction_taper`, C_f (1 + taper (1 - 2 s))
+replaces C_f on the links, where s is the position of the link's middle, from 0 at the tail end of
+the body to 1 at its head end; for links of equal length, the mean is C_f. The taper does not affect
+the fin, nor modules with their own C_f.
 
 The wake behind the tail end carries m' = rho pi C_A a^2 per length, from the section there
 (`wake_mass`). With ``trailing_edge="finite-span"`` a fin is a plate of finite span: its strips have
@@ -28,10 +15,10 @@ its chord c, and its edge has the numbers of `fin_edge` (`laticauda.water.fluid.
 """
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import TypeVar
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
@@ -41,11 +28,11 @@ from laticauda.robot.plates import PlateCoefficients, plate_of_fin, plates_of_mo
 from laticauda.robot.silhouettes import FinPlate, fin_plate, strip_heights
 from laticauda.values import BadArgument, explain
 from laticauda.water.fluid.edges import NO_CAP, Plate
+from laticauda.water.fluid.sections import Link, LinkLoads, link_loads, surface_factor
 
 SMALLEST_OFFSET = 1e-9
 """Offset of two centers below which they are one, relative to a fin's length [-]."""
-_LOADS = ("c_t", "c_n", "mu_t", "mu_n", "lambda_1", "lambda_2", "lambda_3")
-_Number = TypeVar("_Number", float, np.ndarray)
+_LOADS = LinkLoads._fields
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -114,10 +101,7 @@ def link_coefficients(robot: Robot, environment: Environment) -> Coefficients:
         strips = _fin_on_ground(fin, environment) if fin else None
         areas = None
     else:
-        loads, density = (
-            _loads_in_water(robot, half_length, environment),
-            environment.density,
-        )
+        loads, density = _loads_in_water(robot, environment), environment.density
         strips = _fin_in_water(robot, fin, environment) if fin else None
         areas = _areas_in_water(robot, environment)
     links = _coefficients(half_length, half_length, mass, loads, density * volume, strips)
@@ -145,7 +129,7 @@ def immersion_factor(half_height: float, depth: float | None) -> float:
         raise BadArgument(
             "depth", f"must be > {half_height:g} m, the element's half height, got {depth}"
         )
-    return 1.0 + half_height**2 / (2.0 * depth**2)
+    return surface_factor(half_height, depth)
 
 
 def mass_across(override: float | None, half_height: float, water: Water) -> float:
@@ -291,55 +275,72 @@ def _coefficients(
     displaced: np.ndarray,
     fin: Coefficients | None = None,
 ) -> Coefficients:
-    named = dict(zip(_LOADS, loads, strict=True))
+    named: dict[str, Any] = dict(zip(_LOADS, loads, strict=True))
     shape = {"half_length": half_length, "position": position, "mass": mass, "displaced": displaced}
     return Coefficients(**shape, **named, fin=fin)
 
 
-def _loads_in_water(robot: Robot, half_length: np.ndarray, water: Water) -> np.ndarray:
-    """Compute the loads of all links, one column per link; identical modules are computed once."""
+def links_in_water(robot: Robot, water: Water) -> list[Link]:
+    """Return every link's size and the coefficients of the water on it, tail first; identical links are one object.
+
+    Args:
+        robot: Robot whose joints all rotate about the vertical axis (see `Robot.planar`).
+        water: The water in which it swims.
+    """
     modules = robot.modules
-    plates = plates_of_modules(robot)
-    friction = [water.tangential_friction] * len(modules)
-    if water.friction_taper != 0.0:
-        middle = np.cumsum(2.0 * half_length) - half_length
-        share = 1.0 + water.friction_taper * (
-            1.0 - middle / np.sum(half_length)
-        )  # 1 + taper (1 - 2 s)
-        friction = (water.tangential_friction * share).tolist()
-    known: dict[tuple[int, float, PlateCoefficients | None], tuple[float, ...]] = {}
-    columns: list[tuple[float, ...]] = []
-    for module, plate, C_f in zip(modules, plates, friction, strict=True):
-        key = id(module), C_f, plate
+    known: dict[tuple[int, float, PlateCoefficients | None], Link] = {}
+    links: list[Link] = []
+    frictions = _friction_along_body(modules, water)
+    for module, plate, friction in zip(modules, plates_of_modules(robot), frictions, strict=True):
+        key = id(module), friction, plate
         if key not in known:
-            known[key] = _link_loads(module, plate, water, C_f)
-        columns.append(known[key])
-    return np.array(columns).T
+            known[key] = _link_of(module, plate, water, friction)
+        links.append(known[key])
+    return links
 
 
-def _link_loads(
+def _friction_along_body(modules: Sequence[Module], water: Water) -> list[float]:
+    """Return the water's C_f at every link [-]."""
+    if water.friction_taper == 0.0:
+        return [water.tangential_friction] * len(modules)
+    half_length = np.array([module.half_length for module in modules])
+    middle = np.cumsum(2.0 * half_length) - half_length
+    ahead_of_tail = middle / np.sum(half_length)  # 2 s
+    share = 1.0 + water.friction_taper * (1.0 - ahead_of_tail)
+    return (water.tangential_friction * share).tolist()
+
+
+def _link_of(
     module: Module, plate: PlateCoefficients | None, water: Water, friction: float
-) -> tuple[float, ...]:
-    rho, l = water.density, module.half_length  # noqa: E741
-    a, b = module.section.half_height, module.section.half_width
-    C_f = override_or_default(module.tangential_friction, friction)
-    C_D = drag_of_module(module, plate, water)
-    C_A = added_mass_of_module(module, plate, water)
-    C_M = override_or_default(module.added_inertia, water.added_inertia)
-    c_t = 0.5 * rho * np.pi * C_f * (a + b) / 2.0 * 2.0 * l
-    c_n = 0.5 * rho * C_D * 2.0 * a * 2.0 * l
-    mu_n = mass_across(C_A, a, water) * 2.0 * l * immersion_factor(a, water.depth)
-    mu_t = rho * np.pi * water.tangential_added_mass * a * b * 2.0 * l
-    if water.rotational == "strip":
-        lambdas = _strip_lambdas(mu_n, c_n, l)
-    else:
-        friction = rho * np.pi * C_f * (a + b) * l**3
-        lambdas = (
-            rho * np.pi * C_M * (a**2 - b**2) ** 2 * l**3 / 12.0,
-            friction / 6.0,
-            friction * l / 8.0,
-        )
-    return (c_t, c_n, mu_t, mu_n, *lambdas)
+) -> Link:
+    added_mass = added_mass_of_module(module, plate, water)
+    return Link(
+        half_length=module.half_length,
+        half_height=module.section.half_height,
+        half_width=module.section.half_width,
+        friction=override_or_default(module.tangential_friction, friction),
+        drag=drag_of_module(module, plate, water),
+        added_mass=override_or_default(added_mass, water.added_mass),
+        added_inertia=override_or_default(module.added_inertia, water.added_inertia),
+    )
+
+
+def _loads_in_water(robot: Robot, water: Water) -> np.ndarray:
+    """Compute the loads of all links, one column per link; identical links are computed once."""
+    known: dict[int, LinkLoads] = {}
+    columns: list[LinkLoads] = []
+    links = links_in_water(robot, water)
+    for link in links:
+        if id(link) not in known:
+            known[id(link)] = link_loads(
+                link,
+                water.density,
+                water.tangential_added_mass,
+                immersion_factor(link.half_height, water.depth),
+                water.rotational == "strip",
+            )
+        columns.append(known[id(link)])
+    return np.array(columns).T
 
 
 def _fin_in_water(robot: Robot, fin: CaudalFin, water: Water) -> Coefficients:
@@ -474,8 +475,8 @@ def _strips(
 
 
 def _strip_lambdas(
-    mu_n: _Number, c_n: _Number, half_length: _Number
-) -> tuple[_Number, _Number, _Number]:
+    mu_n: np.ndarray, c_n: np.ndarray, half_length: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return normal added mass and drag (linear, quadratic) spread along an element that rotates about its middle."""
     return mu_n * half_length**2 / 3.0, c_n * half_length**2 / 3.0, c_n * half_length**3 / 4.0
 

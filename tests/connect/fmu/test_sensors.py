@@ -8,6 +8,7 @@ import pytest
 import laticauda as lc
 from laticauda.connect.native.tables import build_tables_of_scenario
 from laticauda.models.simulate import build_plant
+from laticauda.models.simulate.numbers import change_parameters
 from laticauda.scenarios import Command, Start
 from laticauda.sensing import (
     AcousticPosition,
@@ -34,11 +35,15 @@ START = Start(center_of_mass=(1.0, -2.0), heading=0.7, velocity=0.1)
 
 
 @pytest.mark.filterwarnings("ignore:there are no outputs")
-def test_sensors_tell_in_an_fmu_what_they_tell_in_python(make, slave):
+@pytest.mark.parametrize(
+    "changes", [{}, {"robot.module[7].length": 0.3, "robot.module[2].mass": 2.0}]
+)
+def test_sensors_tell_in_an_fmu_what_they_tell_in_python(make, slave, changes):
     model = lc.Planar(sensors=SENSORS)
-    opened = slave(make("mamba-fin", GAIT, model=model, start=START)).begin()
+    opened = slave(make("mamba-fin", GAIT, model=model, start=START)).begin(**changes)
     opened.steps([0.1] * 10)
-    plant = build_plant(lc.build_scenario("mamba-fin", GAIT, 1.0, model=model, start=START))
+    scenario = lc.build_scenario("mamba-fin", GAIT, 1.0, model=model, start=START)
+    plant = build_plant(change_parameters(scenario, changes))
     command = Command(gait=GAIT)
     state = plant.advance(plant.init(START, command), command, 1.0, 0.1).state
     senses = senses_of(model, plant.environment)

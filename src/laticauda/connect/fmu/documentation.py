@@ -56,7 +56,7 @@ def list_fixed_settings(tables: Tables) -> list[FixedSetting]:
     """
     plant = tables.plant
     water = cast(lc.Water, plant.environment)
-    robot = f"{plant.robot.name}: its links, sections, masses, joints, fin and other effectors"
+    robot = f"{plant.robot.name}: number of links, fin, other effectors, and what is no parameter"
     depth = "far below the surface"
     if water.depth is not None:
         depth = f"{water.depth:g} m"

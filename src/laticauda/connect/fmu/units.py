@@ -35,6 +35,11 @@ _ALL_UNITS = (
     Unit(name="kg/m3", kg=1, m=-3),
     Unit(name="N.m", kg=1, m=2, s=-2),
     Unit(name="N.m2", kg=1, m=3, s=-2),
+    Unit(name="N.m/rad", kg=1, m=2, s=-2, rad=-1),
+    Unit(name="N.m.s/rad", kg=1, m=2, s=-1, rad=-1),
+    Unit(name="1/rad", rad=-1),
+    Unit(name="kg", kg=1),
+    Unit(name="kg.m2", kg=1, m=2),
     Unit(name="W", kg=1, m=2, s=-3),
     Unit(name="J", kg=1, m=2, s=-2),
 )

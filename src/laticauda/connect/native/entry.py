@@ -24,7 +24,7 @@ from numba.np.arrayobj import populate_array
 
 from laticauda.compiling import INLINED, PROCESSOR, Target, compiling_for, inlined
 from laticauda.compiling.formulas import in_numbers, reason_of
-from laticauda.connect.native import sensor_formulas
+from laticauda.connect.native import link_formulas, sensor_formulas
 from laticauda.models.planar import VX, VY, specialize
 from laticauda.motion.joints import JointLaw
 from laticauda.values import formulas, scalars
@@ -76,7 +76,9 @@ OUTPUT_ROWS = 23
 """Piece of the variables that are sums of rows."""
 SENSORS = 26
 """Position of where the outputs of sensors stand, see `laticauda.connect.native.sensors`."""
-HEADER = 27
+LINKS = 27
+"""Position of where it stands how links follow from their modules, see `laticauda.connect.native.link_formulas`."""
+HEADER = 28
 """Size of the header."""
 
 NONE = -1
@@ -234,6 +236,7 @@ def native_target() -> Target:
 
 
 write_sensors = _inner(sensor_formulas.write_sensors)
+change_links = link_formulas.change_links
 
 
 @_inner
@@ -247,7 +250,7 @@ def _assign(whole, real, piece, v, rows):
 
 @_inner
 def _begin(whole, real, v, rows):
-    """Fill all rows: the template, the terms that depend on the water's coefficients, and the initial state."""
+    """Fill all rows: the template, the terms that depend on water and modules, and the initial state."""
     for q in range(whole[N_ROWS]):
         rows[q] = real[q]
     terms = whole[TERMS]
@@ -261,6 +264,7 @@ def _begin(whole, real, v, rows):
             now *= v[whole[terms + 2 * term]]
         rows[whole[pairs + 2 * k + 1]] += real[slopes + k] * (now - real[values + term])
     _assign(whole, real, START_ROWS, v, rows)
+    change_links(whole, real, whole[LINKS], v, rows)
     rows[VX] = v[whole[VELOCITY]] * math.cos(v[whole[HEADING]])
     rows[VY] = v[whole[VELOCITY]] * math.sin(v[whole[HEADING]])
 
@@ -312,7 +316,7 @@ def _build_move(run: Any) -> Any:
             _log_at(_beyond(rows, whole[N_ROWS])),
         )
         _write_outputs(whole, real, rows, v)
-        write_sensors(whole, real, whole[SENSORS], v)
+        write_sensors(whole, real, whole[SENSORS], rows, v)
         n_samples = 1 if steps == 0 else 2
         return 1 if written == n_samples else 0
 

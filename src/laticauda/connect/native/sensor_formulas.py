@@ -8,6 +8,8 @@ its variable, what it is, and where its numbers stand in the array of reals.
 
 import math
 
+from laticauda.models.planar import rows as places_of
+
 N_FORMULAS = 0
 """Position of the number of outputs."""
 N_LINKS = 1
@@ -20,9 +22,7 @@ LINK_ANGLE = 4
 """Position of the number of the first link angle."""
 JOINT_RATE = 5
 """Position of the number of the first joint rate."""
-HEAD_SHARES = 6
-"""Position of where the shares of the links in the place of the head stand in the array of reals."""
-FORMULAS = 7
+FORMULAS = 6
 """Position of the first output."""
 FORMULA_SIZE = 3
 """Numbers of an output."""
@@ -45,13 +45,14 @@ ELEVATION = 7
 """Its direction upward; the same numbers."""
 
 
-def write_sensors(whole, real, places, v):
+def write_sensors(whole, real, places, rows, v):
     """Set the outputs of sensors.
 
     Args:
         whole: Integers.
         real: Reals.
         places: Where the places above begin among the integers.
+        rows: The rows of a robot whose bodies are its links.
         v: The variables.
     """
     n_formulas = whole[places + N_FORMULAS]
@@ -60,17 +61,23 @@ def write_sensors(whole, real, places, v):
     n_links = whole[places + N_LINKS]
     first_angle = whole[places + LINK_ANGLE]
     first_rate = whole[places + JOINT_RATE]
-    shares = whole[places + HEAD_SHARES]
     center = whole[places + CENTER_OF_MASS]
     rate = v[whole[places + HEADING_RATE]]
     for joint in range(n_links - 1):
         rate -= (n_links - 1 - joint) / n_links * v[first_rate + joint]
     x, y, velocity_x, velocity_y = v[center], v[center + 1], v[center + 2], v[center + 3]
+    mass_ahead = 1.0
     for link in range(n_links):
         if link > 0:
             rate += v[first_rate + link - 1]
-        ahead = real[shares + link] * math.cos(v[first_angle + link])
-        aside = real[shares + link] * math.sin(v[first_angle + link])
+        # How far the link puts the tip of the head ahead of the center of mass, along the link: all
+        # of its length, less what it puts the masses ahead of it there, and its own.
+        body = places_of.HEADER_ROWS + link * places_of.BODY_ROWS
+        mass_ahead -= rows[body + places_of.MASS_SHARE]
+        length = rows[body + places_of.LENGTH]
+        share = (1.0 - mass_ahead) * length - rows[body + places_of.FIRST_MOMENT_SHARE]
+        ahead = share * math.cos(v[first_angle + link])
+        aside = share * math.sin(v[first_angle + link])
         x += ahead
         y += aside
         velocity_x -= rate * aside

@@ -6,12 +6,9 @@ Rate, latency, noise, losses and faults are left to the tool that runs the robot
 from collections.abc import Iterator
 from typing import NamedTuple
 
-import numpy as np
-
 from laticauda.connect.native import sensor_formulas as formulas
 from laticauda.connect.native.variable import SensorFormula, Variable
 from laticauda.models.planar import PlanarPlant
-from laticauda.robot import move_head
 from laticauda.sensing import (
     AcousticPosition,
     Compass,
@@ -60,31 +57,6 @@ def warn_of_missing_sensors(plant: PlanarPlant) -> None:
             "and knows where the head is only if no fin bends or is driven.",
             UserWarning,
         )
-
-
-def find_head_shares(plant: PlanarPlant) -> list[float]:
-    """Return how far every link puts the tip of the head ahead of the center of mass, along the link [m].
-
-    Args:
-        plant: Plant in water, without joints in its fin.
-    """
-    n_links = plant.robot.n_links
-    shares: list[float] = []
-    for link in range(n_links):
-        # Only this link points along y.
-        link_angle = np.zeros(n_links)
-        link_angle[link] = 0.5 * np.pi
-        tip = move_head(
-            plant.robot,
-            center_of_mass=np.zeros(2),
-            velocity=np.zeros(2),
-            link_angle=link_angle,
-            link_rate=np.zeros(n_links),
-            fin_angle=np.zeros(0),
-            fin_rate=np.zeros(0),
-        )
-        shares.append(float(tip.position[1]))
-    return shares
 
 
 class _Measurand(NamedTuple):

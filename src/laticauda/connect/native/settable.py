@@ -16,6 +16,7 @@ from laticauda.connect.native.variable import (
     RowShare,
     Variable,
     one_row,
+    unit_of,
 )
 from laticauda.models.planar import LEAST_DT, PlanarPlant, rows
 from laticauda.values import formulas, quantities_of
@@ -295,11 +296,10 @@ def _list_law_parameters(prefix: str, law: formulas.Law, *, first_row: int) -> I
     """Yield the numbers of a law, which stand in consecutive rows in the order of its formula."""
     fields = law.formula.fields
     for name, quantity in quantities_of(cast(type, type(law))).items():
-        unit = quantity.unit.replace(" ", ".").replace("^", "")
         yield Variable(
             name=f"{prefix}.{name}",
             causality="parameter",
-            unit=unit or "1",
+            unit=unit_of(quantity),
             description=quantity.text[0].upper() + quantity.text[1:] + ".",
             start=getattr(law, name),
             least=max(quantity.least, -LARGEST_POSITION),

@@ -9,8 +9,9 @@ import numpy as np
 from jaxtyping import Float, Int
 
 import laticauda as lc
-from laticauda.connect.native import entry, sensor_formulas
-from laticauda.connect.native.sensors import find_head_shares, warn_of_missing_sensors
+from laticauda.connect.native import entry, link_formulas, sensor_formulas
+from laticauda.connect.native.body_parameters import build_link_table
+from laticauda.connect.native.sensors import warn_of_missing_sensors
 from laticauda.connect.native.variable import Causality, Variable
 from laticauda.connect.native.variables import list_variables
 from laticauda.connect.native.water_slopes import find_water_slopes
@@ -94,11 +95,24 @@ def build_tables_of_scenario(
         scenario_gait = replace(
             scenario_gait, amplitude=0.0, frequency=0.0, phase_shift=0.0, offset=0.0
         )
-    return build_tables(plant, scenario_gait, cast(lc.Start, scenario.start), inputs=inputs)
+    scenario_robot = scenario.robot
+    return build_tables(
+        plant,
+        scenario_gait,
+        cast(lc.Start, scenario.start),
+        inputs=inputs,
+        # Names count modules and joints of the robot, not the links and joints of its planar model.
+        has_body_parameters=scenario_robot.planar() is scenario_robot,
+    )
 
 
 def build_tables(
-    plant: model.PlanarPlant, gait: lc.Gait, start: lc.Start, *, inputs: str
+    plant: model.PlanarPlant,
+    gait: lc.Gait,
+    start: lc.Start,
+    *,
+    inputs: str,
+    has_body_parameters: bool = False,
 ) -> Tables:
     """Return the arrays of a robot in water.
 
@@ -107,6 +121,7 @@ def build_tables(
         gait: Gait that the joints follow unless the inputs say otherwise.
         start: Initial state.
         inputs: Inputs that drive the robot: gait or references.
+        has_body_parameters: Whether numbers of modules and joints are parameters; only if all modules are links.
 
     Raises:
         ValueError: If the plant rejects the gait, or external references.
@@ -116,12 +131,15 @@ def build_tables(
         references = (0.0,) * len(plant.robot.driven_joints)
     command = lc.Command(gait=gait, references=references)
     template = plant.rows(plant.init(start, command), command)
-    variables = list_variables(plant, gait, start, inputs=inputs)
+    variables = list_variables(
+        plant, gait, start, inputs=inputs, has_body_parameters=has_body_parameters
+    )
     builder = _TablesBuilder(template)
     _add_chain(builder, plant)
     _add_variable_numbers(builder, variables)
     _add_water(builder, plant, variables)
     _add_variable_rows(builder, variables)
+    _add_links(builder, plant, variables)
     _add_sensors(builder, plant, variables)
     return Tables(
         variables=variables,
@@ -239,6 +257,20 @@ def _add_variable_rows(builder: _TablesBuilder, variables: Sequence[Variable]) -
     builder.append_piece(entry.OUTPUT_ROWS, [time, *_list_row_shares(variables, "output")])
 
 
+def _add_links(
+    builder: _TablesBuilder, plant: model.PlanarPlant, variables: Sequence[Variable]
+) -> None:
+    """Add how rows of links follow from parameters of their modules."""
+    table = build_link_table(plant, variables)
+    places = table.places.copy()
+    first_real = builder.append_reals(table.numbers)
+    places[link_formulas.NUMBERS] += first_real
+    for record in range(places[link_formulas.N_LINKS]):
+        position = link_formulas.RECORDS + record * link_formulas.RECORD_SIZE
+        places[position + link_formulas.REALS] += first_real
+    builder.header[entry.LINKS] = builder.append(places)
+
+
 def _add_sensors(
     builder: _TablesBuilder, plant: model.PlanarPlant, variables: Sequence[Variable]
 ) -> None:
@@ -262,7 +294,6 @@ def _add_sensors(
         layout[sensor_formulas.HEADING_RATE] = numbers["heading_rate"]
         layout[sensor_formulas.LINK_ANGLE] = numbers["link_angle[0]"]
         layout[sensor_formulas.JOINT_RATE] = numbers["joint_rate[0]"]
-        layout[sensor_formulas.HEAD_SHARES] = builder.append_reals(find_head_shares(plant))
     builder.header[entry.SENSORS] = builder.append([*layout, *formulas])
 
 

@@ -4,6 +4,8 @@ import math
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
+from laticauda.values import Quantity
+
 Causality = Literal["independent", "parameter", "input", "output"]
 """Independent: time; parameter: set before the start; input: set at any time; output: read."""
 
@@ -78,3 +80,12 @@ def one_row(row: int) -> tuple[RowShare, ...]:
         row: Index of the row.
     """
     return (RowShare(row=row, factor=1.0),)
+
+
+def unit_of(quantity: Quantity) -> str:
+    """Return the unit of a declared number, as in files of the compiled function.
+
+    Args:
+        quantity: What is declared of the number.
+    """
+    return quantity.unit.replace(" ", ".").replace("^", "") or "1"

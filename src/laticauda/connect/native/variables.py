@@ -1,6 +1,10 @@
 """All variables of an exported robot, in the order in which they are numbered."""
 
 import laticauda as lc
+from laticauda.connect.native.body_parameters import (
+    list_joint_parameters,
+    list_module_parameters,
+)
 from laticauda.connect.native.outputs import list_outputs
 from laticauda.connect.native.settable import (
     list_current_variables,
@@ -16,7 +20,12 @@ from laticauda.models.planar import PlanarPlant
 
 
 def list_variables(
-    plant: PlanarPlant, gait: lc.Gait, start: lc.Start, *, inputs: str
+    plant: PlanarPlant,
+    gait: lc.Gait,
+    start: lc.Start,
+    *,
+    inputs: str,
+    has_body_parameters: bool = False,
 ) -> tuple[Variable, ...]:
     """Return all variables, in the order of their value references.
 
@@ -25,6 +34,7 @@ def list_variables(
         gait: Gait that the joints follow unless the inputs say otherwise.
         start: Initial state.
         inputs: Inputs that drive the robot: gait or references.
+        has_body_parameters: Whether numbers of modules and joints are parameters.
     """
     water = plant.environment
     assert isinstance(water, lc.Water)
@@ -36,6 +46,9 @@ def list_variables(
         *list_water_parameters(plant, water),
         *list_fin_parameters(plant),
     ]
+    if has_body_parameters:
+        variables.extend(list_module_parameters(plant))
+        variables.extend(list_joint_parameters(plant))
     if inputs == "gait":
         variables.extend(list_gait_variables(plant, gait))
     else:
