@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+import threads  # noqa: F401, it acts by being imported
 from hypothesis import settings
 from typechecker import check_shapes, next_test
 
