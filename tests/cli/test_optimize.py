@@ -85,11 +85,11 @@ def test_a_stopped_optimization_says_how_to_go_on(
 ):
     swim_points, calls = optimization.swim_points, []
 
-    def stop(*args):
+    def stop(*args, **how):
         calls.append(args)
         if len(calls) > 1:
             raise KeyboardInterrupt
-        return swim_points(*args)
+        return swim_points(*args, **how)
 
     with monkeypatch.context() as context:
         context.setattr(optimization, "swim_points", stop)
@@ -212,3 +212,29 @@ def sought_at_an_end() -> Optimization:
     return Optimization(
         scenario=lc.build_scenario("mamba", gait, 1.0), bounds=bounds, objectives="forward_velocity"
     )
+
+
+def test_what_joints_carry_is_bounded_by_a_flag_and_minimized_by_name(run, folder: Path):
+    joints = "--joints prescribed --beyond-actuators --vary amplitude-deg=10:50"
+    words = "--objective forward-velocity --peak-bending-moment-limit 2 --rms-shear-force-limit 9"
+    done = run(f"optimize {joints} {words} --duration 5 --budget 40 --output a --json")
+    assert (done.status, done.err) == (0, "")
+    facts = json.loads(done.out)
+    assert 0.0 < facts["points"][0]["peak_bending_moment"] <= 2.0
+    assert facts["points"][0]["rms_shear_force"] <= 9.0
+    header = (folder / "a" / "front.csv").read_text(encoding="utf-8").split("\n")[0]
+    assert "peak_bending_moment [N m]" in header
+    front = run(
+        f"optimize {joints} --objective forward-velocity peak-shear-force "
+        f"{SHORT.replace(' a', ' b')}"
+    )
+    assert (front.status, front.err) == (0, "")
+    assert "forward velocity against peak shear force: 24 points tried" in front.out
+    assert "peak shear force [N]" in front.out
+    impossible = run(
+        f"optimize {joints} --objective forward-velocity --peak-axial-force-limit 0.0001 "
+        "--duration 1 --budget 40 --output c"
+    )
+    assert impossible.status == 1
+    assert "none is feasible: " in impossible.out
+    assert "by peak axial force" in impossible.out

@@ -251,3 +251,18 @@ def test_a_sweep_is_drawn_if_that_is_asked_for(run, folder: Path):
     done = run(f"sweep {POINTS} {SHORT} --plot map.txt")
     said = "laticauda: --plot must be a file that ends in .png or .pdf or .svg, got map.txt.\n"
     assert (done.status, done.err) == (2, said)
+
+
+def test_the_best_in_what_joints_carry_store_it_and_carry_least(run, folder: Path):
+    done = run(f"sweep {POINTS} {SHORT} --best peak-bending-moment")
+    assert (done.status, done.err) == (0, "")
+    assert "The best in peak bending moment:" in done.out
+    for title in ("peak bending moment [N m]", "peak shear force [N]", "peak axial force [N]"):
+        assert title in done.out
+    found = open_sweep(folder / "a")
+    feasible = found.peak_bending_moment.where(found.utilization <= 1.0)
+    as_json = json.loads(run(f"sweep {POINTS} {SHORT} --loads --json").out)
+    assert as_json["best_in"] == "forward_velocity"  # the same folder, and nothing to do
+    assert {"rms_shear_force", "peak_axial_force"} <= as_json["best"][0].keys()
+    ranked = json.loads(run(f"sweep {POINTS} {SHORT} --best peak-bending-moment --json").out)
+    assert ranked["best"][0]["peak_bending_moment"] == float(feasible.min())

@@ -47,6 +47,19 @@ def test_the_json_has_every_figure_or_the_reason_why_not(run):
     assert "must span at least 12.77 s" in found["not_available"]["steady_velocity"]
 
 
+def test_with_loads_the_screen_the_table_and_the_json_say_how_large_they_get(run):
+    trial = lc.swim(lc.load_robot("mamba"), lateral(), 4.0, link_forces=True)
+    command = f"{PAPER.replace('--duration 30', '')} --duration 4 --link-forces"
+    screen = run(command)
+    assert (screen.status, screen.err) == (0, "")
+    assert f"loads   a joint carries up to {trial.peak_bending_moment:.3g} N m of" in screen.out
+    assert "loads " not in run(command.replace("--link-forces", "")).out
+    table = run(f"{command} --all").out
+    assert "rms of the shear force in a joint" in table
+    found = json.loads(run(f"{command} --json").out)
+    assert found["rms_axial_force"] == trial.rms_axial_force
+
+
 def test_the_json_says_how_the_run_was_made(run):
     found = json.loads(
         run("swim --gait eel-like --normal-drag 1.5 --joints pd --duration 1 --json").out

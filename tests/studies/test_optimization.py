@@ -40,7 +40,7 @@ def test_a_gait_beyond_the_limits_of_the_joints_is_not_feasible_and_does_not_swi
     monkeypatch.setattr(
         module,
         "swim_points",
-        lambda scenario, names, table, threads: swum.append(table) or _figures(len(table)),
+        lambda scenario, names, table, threads, loads: swum.append(table) or _figures(len(table)),
     )
     found = module.evaluate(
         sought, np.array([[radians(24), 2.0], [radians(26), 2.0], [radians(24), 3.0]])
@@ -54,7 +54,7 @@ def test_a_run_that_is_too_slow_is_not_feasible(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr(
         module,
         "swim_points",
-        lambda *_: {**_figures(3), "forward_velocity": np.array([0.05, 0.2, np.nan])},
+        lambda *_, **__: {**_figures(3), "forward_velocity": np.array([0.05, 0.2, np.nan])},
     )
     sought = replace(SOUGHT, least_velocity=0.2)
     found = module.evaluate(sought, np.array([[0.3, 0.3, 9.0], [0.4, 0.3, 9.0], [0.5, 0.3, 9.0]]))

@@ -45,6 +45,8 @@ def first_screen(trial: Trial, basis: str = "", more: str = MORE) -> str:
     ]
     rows = [(name, text) for name, text in rows if text]
     rows += describe_joints(trial, measured)
+    if trial.joint_force is not None:
+        rows.append(("loads", _describe_loads(trial)))
     if "cross_track_error" in trial.signals:
         rows.append(("path", _describe_following(trial)))
     notes = [note for note in (basis, _note_on_measurement(trial, measured), more) if note]
@@ -113,6 +115,14 @@ def describe_joints(trial: Trial, measured: MeasuredTrial | None) -> list[tuple[
     if trial.feasibility.problems:
         rows.append(("", _consequence(trial, measured)))
     return rows
+
+
+def _describe_loads(trial: Trial) -> str:
+    """Return the largest loads that a joint carries, of a trial that has loads."""
+    moment = format_digits(trial.peak_bending_moment, DIGITS)
+    shear = format_digits(trial.peak_shear_force, DIGITS)
+    axial = format_digits(trial.peak_axial_force, DIGITS)
+    return f"a joint carries up to {moment} N m of bending, {shear} N of shear, {axial} N of axial force"
 
 
 def _consequence(trial: Trial, measured: MeasuredTrial | None) -> str:

@@ -53,6 +53,7 @@ from laticauda.studies import (
     parse_share,
     scenarios_at,
 )
+from laticauda.trials import LOAD_FIGURES
 from laticauda.trials.feasibility import CAN_DO
 from laticauda.values import BadArgument, check_choice, option, quantity, value_class
 
@@ -62,6 +63,7 @@ N_SHOWN = 8
 """Number of points of a front that are printed."""
 SHOWN_OF_BEST = ("forward_velocity", "mean_power", "cost_of_transport", "utilization")
 SHOWN_OF_FRONT = ("forward_velocity", "mechanical_power", "cost_of_transport", "utilization")
+SHOWN_OF_LOADS = ("peak_bending_moment", "peak_shear_force", "peak_axial_force")
 SPEED_AND_POWER = "speed-power"
 IN_MOVING_WATER = "The water moves: speeds and costs of transport are ranked through the water."
 OBJECTIVES = (
@@ -73,6 +75,7 @@ OBJECTIVES = (
     "mechanical-power",
     "mean-power",
     "cost-of-transport",
+    *(name.replace("_", "-") for name in LOAD_FIGURES),
 )
 RANGES = ("amplitude-deg=10:50", "frequency-deg-s=50:150", "phase-shift-deg=10:60")
 
@@ -102,6 +105,10 @@ class Sweep(Study):
     list: File = option(  # its option is --list, so it hides the builtin in this class
         "Take the points from this CSV file instead; its first line has the names", default=None
     )
+    loads: bool = option(
+        "Also store bending moment, shear and axial force in the joints: peak and rms, as --best names them",
+        default=False,
+    )
     scheduler: str | None = scheduler_option()
     share: str | None = share_option("folder", "--output")
     merge: bool = merge_option("--output")
@@ -120,6 +127,12 @@ class Sweep(Study):
         "net-power",
         "mean-power",
         "cost-of-transport",
+        "peak-bending-moment",
+        "rms-bending-moment",
+        "peak-shear-force",
+        "rms-shear-force",
+        "peak-axial-force",
+        "rms-axial-force",
     ] = option(
         "Figure by which the best points in the table are ranked; where the water moves, a speed is that through it",
         default="forward-velocity",
@@ -190,7 +203,11 @@ class Sweep(Study):
     def _make_sweep(self, scenario: Scenario, parameters: Parameters) -> studies.Sweep:
         """Return the requested sweep; errors about points of a list name the file."""
         try:
-            return studies.Sweep(scenario=scenario, points=self._points(parameters))
+            return studies.Sweep(
+                scenario=scenario,
+                points=self._points(parameters),
+                loads=self.loads or self._best_figure in LOAD_FIGURES,
+            )
         except BadArgument as error:
             if self.list is None or error.name == "list":
                 raise
@@ -198,6 +215,11 @@ class Sweep(Study):
             if error.name not in ("vary", "points"):
                 position += f" `{error.name}`"
             raise BadArgument("list", f"{position} {error.rule}") from error
+
+    @property
+    def _best_figure(self) -> str:
+        """Name of the figure by which points are ranked."""
+        return self.best.replace("-", "_")
 
     def _report(self, scenario: Scenario, sweep: studies.Sweep) -> Outcome:
         """Report how many trials failed, and the best points."""
@@ -207,7 +229,7 @@ class Sweep(Study):
         if n_failed:
             status = f"{n_failed} of {n_trials} trials blew up; a smaller `dt` may help."
         varied = sweep.points.names
-        figure = studies.swum_figure(self.best.replace("-", "_"), scenario, varied)
+        figure = studies.swum_figure(self._best_figure, scenario, varied)
         if studies.moves_water(scenario, varied):
             status += f" {IN_MOVING_WATER}"
         n_infeasible = studies.count_infeasible(self.output)
@@ -229,6 +251,8 @@ class Sweep(Study):
         if any(limits):
             columns["beyond the limit of"] = [limit or "-" for limit in limits]
         figures_shown = [*SHOWN_OF_BEST, figure]
+        if sweep.loads:
+            figures_shown += SHOWN_OF_LOADS
         table = format_points(scenario, sweep.points.names, figures_shown, points, columns)
         title = f"{status} The best in {figure.replace('_', ' ')}:"
         if n_infeasible:
@@ -298,7 +322,8 @@ class Optimize(Study):
     )
     objective: Words = option(
         "One or two of forward-velocity, steady-velocity (maximized; where the water moves, through it), "
-        "mechanical-power, mean-power, cost-of-transport (minimized). Two give the front between them; "
+        "mechanical-power, mean-power, cost-of-transport, or peak- or rms- with bending-moment, shear-force or "
+        "axial-force in a joint (minimized). Two give the front between them; "
         "speed-power is short for forward-velocity mechanical-power",
         default=(SPEED_AND_POWER,),
     )
@@ -426,7 +451,7 @@ def _describe_front(front: studies.Front, folder: Path) -> str:
     parts = [_describe_status(front)]
     if len(front):
         points = [front.point(i) for i in front.spread(N_SHOWN)]
-        figures_shown = [*optimization.objectives, *SHOWN_OF_FRONT]
+        figures_shown = [*optimization.objectives, *SHOWN_OF_FRONT, *optimization.load_limits]
         table = format_points(optimization.scenario, optimization.names, figures_shown, points)
         parts.append(table)
     hints = _hints_to_widen(front)

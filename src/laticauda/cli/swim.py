@@ -18,7 +18,9 @@ from laticauda.values import fields_of, option, quantity, value_class
 class ScenarioRun(scene.OfScenarioOrFile, Recording):
     """A command that runs one scenario."""
 
-    link_forces: bool = option("Also log the force on every link and in every joint", default=False)
+    link_forces: bool = option(
+        "Also log the force on every link and in every joint, and print the largest", default=False
+    )
     save_scenario: TomlOutput = option("Write the scenario to this file (.toml)", default=None)
 
     def run_scenario(self, scenario: lc.Scenario) -> lc.Trial:

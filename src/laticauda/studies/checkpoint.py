@@ -9,7 +9,7 @@ then moved into place, so it always holds whole generations.
 
 import io
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -28,8 +28,6 @@ DEFINITION = "definition"
 """Name of the array with everything that the points depend on."""
 POINTS = "points"
 """Name of the array with the points as requested by the search, one per row."""
-COLUMNS = (*QUANTITIES, VIOLATION)
-"""Names of the arrays with the results, one value per point."""
 Columns: TypeAlias = dict[str, Any]
 """Points and results by name."""
 
@@ -54,14 +52,23 @@ class Checkpoint:
         definition: Everything that the points depend on.
         n_names: Number of parameters.
         folder: Folder of the file; None stores nothing.
+        quantities: Names of what is known of every point besides how far it is from being feasible.
     """
 
-    def __init__(self, definition: Mapping[str, Any], n_names: int, folder: Path | None) -> None:
+    def __init__(
+        self,
+        definition: Mapping[str, Any],
+        n_names: int,
+        folder: Path | None,
+        *,
+        quantities: Sequence[str] = QUANTITIES,
+    ) -> None:
         self.definition = definition
         self.folder = folder
+        self._columns = (*quantities, VIOLATION)
         self.tried: Columns = {POINTS: np.empty((0, n_names))}
         """The points as requested by the search, one per row, and their results, by name."""
-        for name in COLUMNS:
+        for name in self._columns:
             self.tried[name] = np.empty(0, dtype=bool if name == "succeeded" else float)
 
     def load(self) -> None:
@@ -82,7 +89,8 @@ class Checkpoint:
             with np.load(content, allow_pickle=False) as file:
                 definition = str(file[DEFINITION])
                 stored: dict[str, Any] = dict(json.loads(definition))
-                names = (POINTS, *COLUMNS)
+                # Another optimization may have other columns; it is refused below.
+                names = [name for name in (POINTS, *self._columns) if name in file]
                 tried = {name: file[name] for name in names}
         check_same(self.folder, JOB, stored, self.definition)
         if not self._is_intact(tried):
@@ -90,7 +98,9 @@ class Checkpoint:
         self.tried = tried
 
     def _is_intact(self, tried: Columns) -> bool:
-        """Return whether stored arrays have the kinds of ours, and all the same length."""
+        """Return whether stored arrays are those that we need, of their kinds, and all of the same length."""
+        if tried.keys() != self.tried.keys():
+            return False
         for stored_column, column in zip(tried.values(), self.tried.values(), strict=True):
             if stored_column.dtype != column.dtype:
                 return False

@@ -27,6 +27,8 @@ POPULATION: Mapping[int, int] = {1: 40, 2: 100}
 """Points in a generation of an evolution, by number of objectives."""
 LEAST_POPULATION = 4
 """Points in a generation at least: differential evolution combines four of them."""
+LEAST_NUMBERS_OF_CMA = 2
+"""Numbers that CMA-ES needs at least."""
 MOST_NUMBERS = 10
 """Numbers up to which differential evolution is used where there are no slopes and no limits of a design."""
 
@@ -113,7 +115,10 @@ def _find_method(optimization: Optimization) -> str:
         return "slopes"
     if len(optimization.objectives) > 1 or optimization.takes_whole_numbers:
         return "evolution"
-    if optimization.limits_design or len(optimization.names) > MOST_NUMBERS:
+    n_numbers = len(optimization.names)
+    if n_numbers >= LEAST_NUMBERS_OF_CMA and optimization.limits_design:
+        return "cma-es"
+    if n_numbers > MOST_NUMBERS:
         return "cma-es"
     return "evolution"
 
@@ -128,6 +133,11 @@ def _check_method(optimization: Optimization, method: str) -> None:
     if optimization.takes_whole_numbers:
         rule = "must be auto or evolution where numbers are counts"
         raise BadArgument("method", f"{rule}, got {method}")
+    if method == "cma-es" and len(optimization.names) < LEAST_NUMBERS_OF_CMA:
+        raise BadArgument("method", "must be auto or evolution for a single number, got cma-es")
+    if method == "slopes" and optimization.needs_loads:
+        rule = "must be auto, evolution or cma-es for what joints carry, which has no slopes"
+        raise BadArgument("method", f"{rule}, got slopes")
     if method == "slopes" and not can_have_slopes(optimization):
         rule = "must be auto, evolution or cma-es unless joints are prescribed and no controller steers"
         raise BadArgument("method", f"{rule}, got slopes")

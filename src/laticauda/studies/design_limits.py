@@ -13,6 +13,7 @@ from jaxtyping import Float
 
 from laticauda.robot import Robot, Water, has_power_model
 from laticauda.scenarios import Scenario
+from laticauda.trials import LOAD_FIGURES
 from laticauda.values import BadArgument, option, quantity, value_class
 
 SECONDS_PER_HOUR = 3600.0
@@ -23,6 +24,8 @@ BUOYANCY = "buoyancy"
 BALLAST = "weight of a module"
 SHORTEST = "shortest module"
 LONGEST = "longest module"
+END_OF_LIMIT = "_limit"
+"""End of the name of a limit that begins with the name of the figure that is limited."""
 
 Column = Float[np.ndarray, " n_points"]
 
@@ -69,6 +72,24 @@ class DesignLimits:
     length_step: float | None = quantity(
         "m", "Lengths of modules are multiples of this", gt=0.0, default=None
     )
+    peak_bending_moment_limit: float | None = quantity(
+        "N m", "Largest bending moment that a joint may carry", gt=0.0, default=None
+    )
+    rms_bending_moment_limit: float | None = quantity(
+        "N m", "Largest root mean square of the bending moment in a joint", gt=0.0, default=None
+    )
+    peak_shear_force_limit: float | None = quantity(
+        "N", "Largest shear force that a joint may carry", gt=0.0, default=None
+    )
+    rms_shear_force_limit: float | None = quantity(
+        "N", "Largest root mean square of the shear force in a joint", gt=0.0, default=None
+    )
+    peak_axial_force_limit: float | None = quantity(
+        "N", "Largest axial force that a joint may carry", gt=0.0, default=None
+    )
+    rms_axial_force_limit: float | None = quantity(
+        "N", "Largest root mean square of the axial force in a joint", gt=0.0, default=None
+    )
 
     @property
     def limits_body(self) -> bool:
@@ -84,7 +105,18 @@ class DesignLimits:
     @property
     def limits_design(self) -> bool:
         """Whether some limit is about more than the gait."""
-        return self.limits_body or self.battery is not None or self.length_step is not None
+        is_limited = self.battery is not None or self.length_step is not None
+        return self.limits_body or is_limited or bool(self.load_limits)
+
+    @property
+    def load_limits(self) -> dict[str, float]:
+        """Limits of what joints carry, by the name of the figure that is limited; SI units."""
+        limits: dict[str, float] = {}
+        for name in LOAD_FIGURES:
+            limit: float | None = getattr(self, f"{name}{END_OF_LIMIT}")
+            if limit is not None:
+                limits[name] = limit
+        return limits
 
 
 def check_design_limits(limits: DesignLimits, scenario: Scenario) -> None:

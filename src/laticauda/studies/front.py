@@ -13,7 +13,7 @@ from laticauda.models.simulate.numbers import list_parameters
 from laticauda.studies.limits import name_limits
 from laticauda.studies.optimization import Optimization
 from laticauda.studies.point_trials import (
-    FIGURES,
+    ALL_FIGURES,
     Column,
     attributes_of,
     labels_of,
@@ -89,9 +89,13 @@ class Front:
         values = self.values[point].tolist()
         parameters = dict(zip(self.optimization.names, values, strict=True))
         figures: dict[str, float] = {}
-        for name in FIGURES:
+        for name in self._figure_names():
             figures[name] = float(self.figures[name][point])
         return parameters | figures
+
+    def _figure_names(self) -> list[str]:
+        """Return the names of the figures of its points; of most, no loads are known."""
+        return [name for name in ALL_FIGURES if name in self.figures]
 
     def at_bounds(self) -> list[dict[str, Any]]:
         """Return where points lie at an end of a range: the range, rather than the robot, may make them the best.
@@ -173,7 +177,7 @@ class Front:
         for name, column in zip(optimization.names, self.values.T, strict=True):
             coordinates[name] = (POINT, column, labels[name])
         variables: dict[str, Any] = {}
-        for name in FIGURES:
+        for name in self._figure_names():
             variables[name] = (POINT, self.figures[name], labels[name])
         objectives = " and ".join(optimization.objectives)
         attributes = {

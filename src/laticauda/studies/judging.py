@@ -98,7 +98,7 @@ def judge_design(optimization: Optimization, scenario: Scenario | None = None) -
     swimming = scenario
     if optimization.ballast:
         swimming = add_ballast(scenario)
-    trial = run_scenario(swimming, build_plant(swimming))
+    trial = run_scenario(swimming, build_plant(swimming), link_forces=optimization.needs_loads)
     body = BodyNumbers.of(scenario, with_ballast=optimization.ballast)
     uses = _judge_body(optimization, scenario, body)
     if trial.succeeded:
@@ -188,6 +188,7 @@ def _judge_swim(optimization: Optimization, trial: Trial, body: BodyNumbers) -> 
         uses.append(LimitUse(limit=SERVOS, share=share, description=description))
     if optimization.battery is not None:
         uses.append(_judge_battery(optimization, trial, body))
+    uses += _judge_loads(optimization, trial)
     least_speed = optimization.least_velocity
     if least_speed is not None:
         figure = swum_figure("forward_velocity", optimization.scenario, optimization.names)
@@ -195,6 +196,18 @@ def _judge_swim(optimization: Optimization, trial: Trial, body: BodyNumbers) -> 
         description = f"{speed:.3g} m/s of at least {least_speed:g}"
         share = least_speed / max(speed, ROUNDING)
         uses.append(LimitUse(limit=SPEED, share=share, description=description))
+    return uses
+
+
+def _judge_loads(optimization: Optimization, trial: Trial) -> list[LimitUse]:
+    """Return what a swim takes of what joints may carry."""
+    uses: list[LimitUse] = []
+    for name, limit in optimization.load_limits.items():
+        load: float = getattr(trial, name)
+        unit: str = getattr(Trial, name).unit
+        description = f"{load:.3g} {unit} of at most {limit:g}"
+        words = name.replace("_", " ")
+        uses.append(LimitUse(limit=words, share=load / limit, description=description))
     return uses
 
 

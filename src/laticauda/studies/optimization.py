@@ -26,6 +26,7 @@ from laticauda.robot import Water
 from laticauda.scenarios import Controller, OpenLoop, telling
 from laticauda.studies import sampling
 from laticauda.studies.design_limits import (
+    END_OF_LIMIT,
     BodyNumbers,
     DesignLimits,
     ballasted_masses,
@@ -36,16 +37,17 @@ from laticauda.studies.design_limits import (
 )
 from laticauda.studies.point_trials import (
     COSTS,
-    QUANTITIES,
     Column,
     check_ranges,
     check_scenario,
     definition_of,
+    quantities_of,
     scenarios_at,
     swim_points,
     swum_figure,
 )
 from laticauda.studies.sampling import Table
+from laticauda.trials import LOAD_FIGURES
 from laticauda.trials.feasibility import ROUNDING
 from laticauda.values import BadArgument, check_choice, option, quantity, value_class
 
@@ -57,8 +59,9 @@ OBJECTIVES = (
     "mechanical_power",
     "mean_power",
     "cost_of_transport",
+    *LOAD_FIGURES,
 )
-"""What can be optimized: speeds are maximized, powers and the cost of transport minimized."""
+"""What can be optimized: speeds are maximized, powers, the cost of transport and loads minimized."""
 SPEED_POWER = ("forward_velocity", "mechanical_power")
 """The objectives, unless others are stated."""
 LENGTH_OF_MODULES = "robot.module.length"
@@ -172,13 +175,27 @@ class Optimization(Limits):
         """Names of the parameters that may change."""
         return tuple(self.bounds)
 
+    @property
+    def needs_loads(self) -> bool:
+        """Whether figures of what joints carry are needed."""
+        return bool(self.load_limits) or any(name in LOAD_FIGURES for name in self.objectives)
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """Names of all that is known of every trial."""
+        return quantities_of(loads=self.needs_loads)
+
     def definition(self) -> dict[str, Any]:
         """Return everything that the trials depend on, for a file."""
+        limits = {name: getattr(self, name) for name in Limits.__dataclass_fields__}
+        for name in LOAD_FIGURES:  # folders of older releases have no limits of loads
+            if name not in self.load_limits:
+                del limits[f"{name}{END_OF_LIMIT}"]
         return {
             **definition_of(self.scenario),
             "bounds": {name: list(ends) for name, ends in self.bounds.items()},
             "objectives": list(self.objectives),
-            **{name: getattr(self, name) for name in Limits.__dataclass_fields__},
+            **limits,
         }
 
     def box(self) -> tuple[np.ndarray, np.ndarray]:
@@ -293,7 +310,7 @@ def evaluate(
     violation = np.maximum(violation, excess_of_bodies(optimization, bodies))
     swims = violation == 0.0
     results: dict[str, Column] = {}
-    for name in QUANTITIES:
+    for name in optimization.quantities:
         results[name] = np.full(len(table), np.nan)
     results["succeeded"] = np.zeros(len(table), dtype=bool)
     if swims.any():
@@ -310,6 +327,9 @@ def evaluate(
         violation = np.where(is_slow, np.maximum(shortfall, violation), violation)
     if optimization.battery is not None:
         excess = _excess_of_battery(optimization, bodies, results)
+        violation = np.where(swims & (excess > ROUNDING), np.maximum(excess, violation), violation)
+    for name, limit in optimization.load_limits.items():
+        excess = results[name] / limit - 1.0
         violation = np.where(swims & (excess > ROUNDING), np.maximum(excess, violation), violation)
     has_values = np.full(len(table), True)
     for name in optimization.objectives:
@@ -389,10 +409,10 @@ def _swim(
     """Simulate points, here or on a cluster."""
     scenario = optimization.scenario
     if client is None:
-        return swim_points(scenario, names, table, threads)
+        return swim_points(scenario, names, table, threads, loads=optimization.needs_loads)
     from laticauda.studies.remote_points import swim_points_on
 
-    return swim_points_on(client, scenario, names, table)
+    return swim_points_on(client, scenario, names, table, loads=optimization.needs_loads)
 
 
 def has_slopes(optimization: Optimization) -> bool:
@@ -423,8 +443,13 @@ def can_have_slopes(optimization: Optimization) -> bool:
 
 
 def _is_smooth(optimization: Optimization) -> bool:
-    """Return whether there is one objective of a robot that no controller steers, and no number is a count."""
+    """Return whether there is one objective of a robot that no controller steers, and no number is a count.
+
+    Nor may loads be needed, which have no derivatives.
+    """
     if len(optimization.objectives) > 1 or optimization.takes_whole_numbers:
+        return False
+    if optimization.needs_loads:
         return False
     return not _is_steered(optimization.scenario)
 

@@ -25,7 +25,7 @@ from laticauda.studies.folder import as_stored, owned
 from laticauda.studies.front import Front, pareto_front
 from laticauda.studies.limited_search import LimitedSearch
 from laticauda.studies.optimization import VIOLATION, Optimization, compute_losses, evaluate
-from laticauda.studies.point_trials import QUANTITIES, Progress
+from laticauda.studies.point_trials import Progress
 from laticauda.studies.refusals import count_refusals
 from laticauda.studies.search import Search
 from laticauda.studies.slope_search import SlopeSearch
@@ -52,7 +52,8 @@ def optimize(
     objective's slopes from the best point, see `laticauda.studies.slope_search`; otherwise so many
     numbers are searched by CMA-ES. With limits of a design (`DesignLimits`) it begins at the
     scenario's own numbers and follows the slopes of objective and limits, see
-    `laticauda.studies.limited_search`, or CMA-ES where joints are not prescribed.
+    `laticauda.studies.limited_search`, or CMA-ES where joints are not prescribed or what they carry is
+    limited.
 
     Every generation is one batch of `swim_many`. With a folder, every generation is stored there;
     an optimization that was stopped or killed continues from there, and ends bit-for-bit the same
@@ -93,7 +94,9 @@ def optimize(
     search = choice.search
     path = None if folder is None else Path(folder)
     definition = as_stored({**optimization.definition(), **choice.settings})
-    checkpoint = Checkpoint(definition, len(optimization.names), path)
+    checkpoint = Checkpoint(
+        definition, len(optimization.names), path, quantities=optimization.quantities
+    )
     with nullcontext() if path is None else owned(path, JOB, CHECKPOINT):
         checkpoint.load()
         _search(optimization, search, checkpoint, budget, progress, threads, client)
@@ -154,7 +157,7 @@ def _front_of(optimization: Optimization, tried: Columns, seed: int, n_slope_tri
     return Front(
         optimization=optimization,
         values=optimization.points(tried[POINTS])[best],
-        figures={name: tried[name][best] for name in QUANTITIES},
+        figures={name: tried[name][best] for name in optimization.quantities},
         n_trials=len(feasible),
         n_infeasible=int(np.sum(~feasible)),
         seed=seed,

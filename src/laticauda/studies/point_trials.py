@@ -25,7 +25,7 @@ from laticauda.models.simulate import (
 from laticauda.models.simulate.numbers import check_disjoint, list_parameters
 from laticauda.scenarios import telling, warn_of_doubt
 from laticauda.studies.sampling import Table
-from laticauda.trials import water_moves
+from laticauda.trials import LOAD_FIGURES, water_moves
 from laticauda.trials.feasibility import NEEDS
 from laticauda.values import BadArgument, check_instance, codec, extensions, packaging
 
@@ -39,8 +39,11 @@ FIGURES = (*(name for name in UNITS if name not in FIGURES_NOT_STORED), *NEEDS)
 """Figures that are stored for every trial."""
 QUANTITIES = (*FIGURES, "succeeded")
 """All that is stored for every trial."""
+ALL_FIGURES = (*FIGURES, *LOAD_FIGURES)
+"""The same with the figures of what joints carry, which are stored if they are asked for."""
 LABELS = {
-    name: f"{name.replace('_', ' ')} [{getattr(lc.Trial, name).unit or '-'}]" for name in FIGURES
+    name: f"{name.replace('_', ' ')} [{getattr(lc.Trial, name).unit or '-'}]"
+    for name in ALL_FIGURES
 }
 """The figures in words, with their units, as shown in tables and on axes."""
 THROUGH_WATER = {
@@ -48,10 +51,21 @@ THROUGH_WATER = {
     "steady_velocity": "steady_speed_through_water",
 }
 """Speeds through the water by those over ground, which a current makes without any swimming."""
-COSTS = ("mechanical_power", "net_power", "mean_power", "cost_of_transport")
+COSTS = ("mechanical_power", "net_power", "mean_power", "cost_of_transport", *LOAD_FIGURES)
 """Figures of which the smallest is best; of all others, the largest."""
 MOST_CORNERS = 256
 """Corners of the ranges that are tried; more are not worth the time."""
+
+
+def quantities_of(*, loads: bool) -> tuple[str, ...]:
+    """Return the names of all that is stored for every trial.
+
+    Args:
+        loads: Whether the figures of what joints carry are stored, too.
+    """
+    if loads:
+        return (*ALL_FIGURES, "succeeded")
+    return QUANTITIES
 
 
 def swum_figure(name: str, scenario: lc.Scenario, varied: Iterable[str] = ()) -> str:
@@ -121,7 +135,7 @@ def labels_of(scenario: lc.Scenario, names: Iterable[str]) -> dict[str, dict[str
     """
     parameters = list_parameters(scenario)
     labels = {name: described(parameters[name].phrase, parameters[name].unit) for name in names}
-    return labels | {name: of_figure(name) for name in QUANTITIES}
+    return labels | {name: of_figure(name) for name in quantities_of(loads=True)}
 
 
 def check_ranges(
@@ -182,6 +196,8 @@ def swim_points(
     names: tuple[str, ...],
     table: Table,
     threads: int | None = None,
+    *,
+    loads: bool = False,
 ) -> dict[str, Column]:
     """Simulate the trials of some points.
 
@@ -190,13 +206,16 @@ def swim_points(
         names: Names of the parameters, one per column of the table.
         table: The points, one per row.
         threads: Number of threads; None uses all cores available to this process.
+        loads: Whether to compute the figures of what joints carry, too.
 
     Returns:
-        One value per point of every quantity in `QUANTITIES`; nan where a run diverged, or where
+        One value per point of every quantity in `quantities_of`; nan where a run diverged, or where
         there is none.
     """
     columns = dict(zip(names, table.T, strict=True))
-    batch, peaks, _ = run_columns(scenario, columns, threads=threads, with_peaks=True)
+    batch, peaks, kept_loads = run_columns(
+        scenario, columns, threads=threads, with_peaks=True, with_loads=loads
+    )
     results: dict[str, Column] = {}
     for name in FIGURES:
         if name in peaks:
@@ -204,5 +223,7 @@ def swim_points(
             results[name] = np.where(is_known, peaks[name], np.nan)
         else:
             results[name] = batch.figures[name]
+    if kept_loads is not None:
+        results |= kept_loads.figures
     results["succeeded"] = batch.succeeded
     return results

@@ -37,6 +37,8 @@ def count_refusals(
     speed = results[speed_of_range(optimization.scenario)]
     for row, i in enumerate(refused.tolist()):
         shares = {JOINTS: results["utilization"][[i]] / optimization.servo_share}
+        for name, limit in optimization.load_limits.items():
+            shares[name.replace("_", " ")] = results[name][[i]] / limit
         if bodies:
             shares |= limits_of_body(optimization, bodies[row])
             idle_power = np.array([bodies[row].idle_power])

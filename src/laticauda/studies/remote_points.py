@@ -22,6 +22,8 @@ def swim_on(
     scenario: scenarios.Scenario,
     names: tuple[str, ...],
     tables: Iterator[tuple[int, Table]],
+    *,
+    loads: bool = False,
 ) -> Iterator[tuple[int, Table, dict[str, Column]]]:
     """Simulate the points of some regions on the workers of a cluster.
 
@@ -30,6 +32,7 @@ def swim_on(
         scenario: What all trials share.
         names: Names of the parameters.
         tables: Index and points of every region, consumed as the work proceeds.
+        loads: Whether to compute the figures of what joints carry, too.
 
     Yields:
         Index, points and results of a region, in order of completion.
@@ -43,14 +46,19 @@ def swim_on(
     def calls() -> Iterator[tuple[int, tuple[Any, ...]]]:
         for index, table in tables:
             table_in_flight[index] = table
-            yield index, (scenario, names, table)
+            yield index, (scenario, names, table, loads)
 
     for index, results in cluster.call_on(client, swim_points_singly, calls(), GO_ON):
         yield index, table_in_flight.pop(index), results
 
 
 def swim_points_on(
-    client: Any, scenario: scenarios.Scenario, names: tuple[str, ...], table: Table
+    client: Any,
+    scenario: scenarios.Scenario,
+    names: tuple[str, ...],
+    table: Table,
+    *,
+    loads: bool = False,
 ) -> dict[str, Column]:
     """Simulate the trials of some points on the workers of a cluster, in pieces for all of its threads.
 
@@ -59,6 +67,7 @@ def swim_points_on(
         scenario: What all trials share.
         names: Names of the parameters, one per column of the table.
         table: The points, one per row.
+        loads: Whether to compute the figures of what joints carry, too.
 
     Returns:
         As `swim_points` does in this process, to the same bits (on processors of one kind).
@@ -68,7 +77,7 @@ def swim_points_on(
             one worker after another, or workers have a different version of laticauda.
     """
     pieces = _split_table(table, cluster.count_threads(client, GO_ON))
-    calls = [(scenario, names, piece) for piece in pieces]
+    calls = [(scenario, names, piece, loads) for piece in pieces]
     results_of_pieces = cluster.map_on(client, swim_points_singly, calls, GO_ON)
     joined: dict[str, Column] = {}
     for name in results_of_pieces[0]:
@@ -85,7 +94,10 @@ def _split_table(table: Table, n_threads: int) -> list[Table]:
 
 
 def swim_points_singly(
-    scenario: scenarios.Scenario, names: tuple[str, ...], table: Table
+    scenario: scenarios.Scenario,
+    names: tuple[str, ...],
+    table: Table,
+    loads: bool,
 ) -> dict[str, Column]:
     """Simulate points with one thread: a worker runs as many tasks as it has threads.
 
@@ -93,5 +105,6 @@ def swim_points_singly(
         scenario: What all trials share.
         names: Names of the parameters, one per column of the table.
         table: The points, one per row.
+        loads: Whether to compute the figures of what joints carry, too.
     """
-    return swim_points(scenario, names, table, threads=1)
+    return swim_points(scenario, names, table, threads=1, loads=loads)

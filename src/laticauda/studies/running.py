@@ -97,7 +97,8 @@ def _swim_regions(
     if client is not None:
         from laticauda.studies.remote_points import swim_on
 
-        yield from swim_on(client, sweep.scenario, names, tables)
+        yield from swim_on(client, sweep.scenario, names, tables, loads=sweep.loads)
         return
     for index, table in tables:
-        yield index, table, swim_points(sweep.scenario, names, table, threads)
+        results = swim_points(sweep.scenario, names, table, threads, loads=sweep.loads)
+        yield index, table, results

@@ -25,7 +25,7 @@ import numpy as np
 from laticauda.models.simulate import silent
 from laticauda.studies import damage
 from laticauda.studies.folder import owned, readable
-from laticauda.studies.point_trials import QUANTITIES, Column, Progress
+from laticauda.studies.point_trials import Column, Progress
 from laticauda.studies.regions import Regions
 from laticauda.studies.store import Store, check_definition, open_store
 from laticauda.studies.stored_sweep import (
@@ -226,7 +226,7 @@ def _read_share(folder: Path, store: Store) -> Iterator[tuple[int, dict[str, Col
         results: dict[str, Column] = {}
         # zarr compares the checksum of every chunk that it reads.
         with readable(folder, RESULTS):
-            for name in QUANTITIES:
+            for name in store.sweep.quantities:
                 values: Any = group[name][block]
                 results[name] = values.reshape(-1)
         yield index, results

@@ -24,7 +24,7 @@ import numpy as np
 from laticauda.studies import damage
 from laticauda.studies.checksums import checksum_of, read_checksums, write_checksums
 from laticauda.studies.folder import as_stored, check_same, owned, readable, storage
-from laticauda.studies.point_trials import QUANTITIES, Column, attributes_of, labels_of
+from laticauda.studies.point_trials import Column, attributes_of, labels_of
 from laticauda.studies.regions import Regions, block_shape
 from laticauda.studies.sampling import Grid, Table
 from laticauda.studies.stored_sweep import (
@@ -318,5 +318,5 @@ def _open_arrays(zarr: Any, path: Path, sweep: Sweep, regions: Regions) -> dict[
 def _names_by_region(sweep: Sweep) -> tuple[str, ...]:
     """Return the names of the arrays that have one chunk per region."""
     if isinstance(sweep.points, Grid):
-        return QUANTITIES
-    return (*QUANTITIES, *sweep.points.names)
+        return sweep.quantities
+    return (*sweep.quantities, *sweep.points.names)

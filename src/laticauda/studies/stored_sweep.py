@@ -21,8 +21,9 @@ import numpy as np
 from laticauda.studies import damage
 from laticauda.studies.checksums import find_damaged_files
 from laticauda.studies.folder import readable
-from laticauda.studies.point_trials import COSTS, FIGURES, QUANTITIES
+from laticauda.studies.point_trials import ALL_FIGURES, COSTS, FIGURES, quantities_of
 from laticauda.studies.regions import Regions
+from laticauda.trials import LOAD_FIGURES
 from laticauda.trials.feasibility import CAN_DO
 from laticauda.values import (
     BadArgument,
@@ -94,8 +95,8 @@ def open_unread(path: Path) -> "xarray.Dataset":
     _refuse_damaged_regions(path, regions, missing)
     with readable(path, RESULTS):
         dataset = xarray.open_zarr(str(path / RESULTS), consolidated=False, chunks=None)
-        # In our order; folders of older releases have fewer.
-        names = [name for name in QUANTITIES if name in dataset]
+        # In our order; folders of older releases have fewer, and most have no loads.
+        names = [name for name in quantities_of(loads=True) if name in dataset]
         dataset = dataset[names]
         if any(variable.shape != regions.shape for variable in dataset.values()):
             raise BadArgument(RESULTS, f"must have shape {regions.shape}")
@@ -208,7 +209,7 @@ def names_by_region(path: Path) -> list[str]:
         path: The folder.
     """
     definition = read_definition(path) or {}
-    names = list(QUANTITIES)
+    names = list(quantities_of(loads=bool(definition.get("loads"))))
     if definition.get("points", {}).get("kind") != "grid":
         names += _parameter_names(path)
     return [name for name in names if (path / RESULTS / name).is_dir()]
@@ -272,16 +273,16 @@ def best_points(
     Raises:
         ValueError: If there is no such quantity, or no sweep in the folder.
     """
-    check_choice("quantity", quantity, FIGURES)
+    check_choice("quantity", quantity, ALL_FIGURES)
     check_whole_number("count", count, 1)
     sign = 1.0 if quantity in COSTS else -1.0
     dataset = open_unread(Path(folder))
     if quantity not in dataset:
+        rule = f"must be stored in {folder}, got `{quantity}`"
+        if quantity in LOAD_FIGURES:
+            raise BadArgument("quantity", f"{rule}; only a sweep with `loads` stores it")
         stored_figures = ", ".join(f"`{name}`" for name in FIGURES if name in dataset)
-        rule = (
-            f"must be stored in {folder}, got `{quantity}`; this older sweep has {stored_figures}"
-        )
-        raise BadArgument("quantity", rule)
+        raise BadArgument("quantity", f"{rule}; this older sweep has {stored_figures}")
     regions = regions_of(folder)
     values = dataset[quantity].variable
     utilization = dataset[UTILIZATION].variable
@@ -321,7 +322,7 @@ def _read_point(dataset: Any, indices: tuple[int, ...]) -> dict[str, float]:
     """Return the parameters and all figures of one point."""
     dims = dataset[FIGURES[0]].dims
     point = dataset.isel(dict(zip(dims, indices, strict=True)))
-    names = [name for name in (*point.coords, *FIGURES) if name in point]
+    names = [name for name in (*point.coords, *ALL_FIGURES) if name in point]
     return {str(name): float(point[name]) for name in names}
 
 

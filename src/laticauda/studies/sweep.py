@@ -9,7 +9,12 @@ import laticauda as lc
 from laticauda.models.simulate import check_whole
 from laticauda.models.simulate.numbers import list_parameters
 from laticauda.studies import sampling
-from laticauda.studies.point_trials import check_ranges, check_scenario, definition_of
+from laticauda.studies.point_trials import (
+    check_ranges,
+    check_scenario,
+    definition_of,
+    quantities_of,
+)
 from laticauda.studies.regions import Block, Regions, divide_regions
 from laticauda.studies.sampling import Table
 from laticauda.values import check_whole_number, option, value_class
@@ -20,6 +25,8 @@ PRESCRIBED_TRIAL_TIME = 0.35e-3
 """About what a trial of ten links and 30 s takes on one core if its joints are prescribed [s]."""
 DRIVEN_TRIAL_TIME = 5e-3
 """About what it takes if its joints are driven [s]."""
+LOADS_TIME = 3e-3
+"""About what the loads of such a trial take besides [s]."""
 SMALLEST_REGION = 64
 """Number of points in a region at least, if its size is chosen by the cost of a trial."""
 LARGEST_REGION = 16384
@@ -48,6 +55,10 @@ class Sweep:
 
     scenario: lc.Scenario = option("Scenario shared by all trials; of the planar model")
     points: sampling.Points = option("Points of the sweep: `Grid`, `Rows` or `Samples`")
+    loads: bool = option(
+        "Whether figures of what joints carry are stored, too: `laticauda.trials.LOAD_FIGURES`",
+        default=False,
+    )
 
     def __post_init__(self) -> None:
         """Check the fields against each other."""
@@ -79,6 +90,8 @@ class Sweep:
         cost = DRIVEN_TRIAL_TIME
         if isinstance(scenario.model.joints, lc.Prescribed):
             cost = PRESCRIBED_TRIAL_TIME
+        if self.loads:
+            cost += LOADS_TIME
         trial_time = cost * scenario.duration / 30.0 * scenario.robot.n_links / 10.0
         return int(np.clip(REGION_TIME / trial_time, SMALLEST_REGION, LARGEST_REGION))
 
@@ -92,6 +105,14 @@ class Sweep:
         counts = [name for name in self.points.names if parameters[name].is_whole]
         return self.points.tables(blocks, counts)
 
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """Names of all that is stored for every trial."""
+        return quantities_of(loads=self.loads)
+
     def definition(self) -> dict[str, Any]:
         """Return everything that its results depend on, for a file."""
-        return {**definition_of(self.scenario), "points": self.points.definition()}
+        definition = {**definition_of(self.scenario), "points": self.points.definition()}
+        if self.loads:  # folders of older releases have none
+            definition["loads"] = True
+        return definition

@@ -90,7 +90,10 @@ def simulate_measured_gaits(front: Front) -> np.ndarray:
     if not gaits:
         return np.empty((0, 2))
     scenario = front.optimization.scenario
-    swims = lc.swim_many([replace(scenario, motion=gait) for gait in gaits])
+    swims = lc.swim_many(
+        [replace(scenario, motion=gait) for gait in gaits],
+        load_figures=front.optimization.needs_loads,
+    )
     first, last = front.optimization.objectives
     points = np.stack((getattr(swims, last), getattr(swims, first)), axis=1)
     is_finite = np.isfinite(points).all(axis=1)
