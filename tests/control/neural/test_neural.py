@@ -1,6 +1,7 @@
 """Gaits by neurons: alone they tend to their gait; cut apart, they swim only by what they feel."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -112,6 +113,22 @@ def test_networks_faster_than_their_steps_are_refused(changes, message):
     with pytest.raises(ValueError, match="must be") as refusal:
         PhaseOscillators(gait=GAIT, **changes)
     assert message in str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"gait": replace(GAIT, frequency=0.0)}, "got 0 to 0."),
+        ({"toward_tail": 100.0}, "natural frequencies > 0 and <= 1.36 rad/s, .* got 2.27 to 2.27"),
+        ({"inhibition": 1e3}, "<= 0.141 rad/s, which steps of 0.01 s follow .*, got 2.27 to 2.27"),
+        ({"fatigue": 1e6}, "<= 0.0996 rad/s"),
+        ({"seed": 0, "spread": 3.0}, "got -[0-9.]+ to"),
+    ],
+)  # fmt: skip
+def test_half_centers_faster_than_their_steps_or_backward_are_refused(changes, message):
+    network = HalfCenters(**({"gait": GAIT} | changes))
+    with pytest.raises(ValueError, match=f"`gait` must have neurons with .*{message}"):
+        lc.swim("mamba", network, 1.0, joints="servo")
 
 
 def test_feedback_stronger_than_the_steps_can_follow_ends_in_one_sentence():

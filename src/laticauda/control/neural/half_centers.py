@@ -22,9 +22,17 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.control.neural.many import vectorize_networks
-from laticauda.control.neural.network import Drive, NeuralGait, PerJoint, Signals
-from laticauda.scenarios import VectorController
-from laticauda.values import quantity, value_class
+from laticauda.control.neural.network import (
+    FASTEST_PULL,
+    LONGEST_STEP,
+    Drive,
+    NeuralGait,
+    PerJoint,
+    Signals,
+)
+from laticauda.robot import Robot
+from laticauda.scenarios import Observation, Observations, VectorController
+from laticauda.values import BadArgument, quantity, value_class
 
 Pairs = Float[np.ndarray, "2 ... n_joints"]
 
@@ -68,6 +76,51 @@ class HalfCenters(NeuralGait[Neurons]):
             controllers: The networks, one for each robot.
         """
         return vectorize_networks(controllers)
+
+    def check(self, robot: Robot) -> None:
+        """Reject a `robot` that neurons cannot move, and neurons that are faster than their steps."""
+        super().check(robot)
+        if self.steering is None:  # which may ask for another frequency
+            self._check_frequency(self.drive(None, robot.n_joints))
+
+    def advance(
+        self,
+        neurons: Neurons,
+        drive: Drive,
+        observation: Observation | Observations,
+        elapsed: float,
+    ) -> Neurons:
+        """Return the neurons some time later, moved in steps that are short enough.
+
+        Args:
+            neurons: The neurons.
+            drive: What is asked of them.
+            observation: What the robot feels, or what many robots feel.
+            elapsed: The time [s].
+
+        Raises:
+            ValueError: If neurons are faster than their steps can follow.
+        """
+        self._check_frequency(drive)
+        return super().advance(neurons, drive, observation, elapsed)
+
+    def _check_frequency(self, drive: Drive) -> None:
+        """Reject neurons that stand still, run backward, or are faster than their steps.
+
+        Where both neurons of a joint are active, excitation decays at up to p / tau, or swings at up
+        to sqrt((p + b) / 2) / tau; the midpoint rule follows a swing in steps half as long.
+        """
+        decay = 1.0 + self.inhibition + self.toward_tail + self.toward_head
+        speed = np.maximum(decay, np.sqrt(2.0 * (decay + self.fatigue)))
+        limit = FASTEST_PULL * 2.0 * math.pi / (NATURAL_PERIOD * speed)
+        if np.all((drive.frequency > 0.0) & (drive.frequency <= limit)):
+            return
+        rule = (
+            f"must have neurons with natural frequencies > 0 and <= {np.min(limit):.3g} rad/s, which "
+            f"steps of {LONGEST_STEP:g} s follow at this inhibition and fatigue"
+        )
+        received = f"{np.min(drive.frequency):.3g} to {np.max(drive.frequency):.3g}"
+        raise BadArgument("gait", f"{rule}, got {received}")
 
     def begin(self, drive: Drive) -> Neurons:
         """Return neurons that are excited as their phases ask.
