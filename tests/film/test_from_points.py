@@ -7,7 +7,13 @@ import pytest
 from point_films import film_of
 
 import laticauda as lc
-from laticauda.film.forces import guess_places, points_of_trial, scale_points
+from laticauda.film.forces import (
+    from_points,
+    guess_places,
+    invert_points,
+    points_of_trial,
+    scale_points,
+)
 
 
 @pytest.fixture(scope="module")
@@ -29,6 +35,28 @@ def test_points_of_another_scale_are_refused(film):
     large = replace(film.points, position=10.0 * film.points.position)
     with pytest.raises(ValueError, match=r"points.*about 0.675 m.*is the scale right"):
         guess_places(large, lc.load_robot("amphibot"))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"n_draws": 39}, "`n_draws` must be a whole number >= 40, got 39."),
+        ({"seed": -1}, "`seed` must be a whole number >= 0, got -1."),
+        ({"threads": 0}, "`threads` must be a whole number >= 1, got 0."),
+        ({"body_deviation": float("nan")}, "`body_deviation` must be a finite number, got nan."),
+        ({"scale_deviation": -0.1}, "`scale_deviation` must be between 0 and 1, got -0.1."),
+        ({"span": (0.5, 9.0)}, "`span` must go from a begin to a later end within the film, 0 to 2 s"),
+        ({"water": "paper"}, "`water` must be of class Water or Assumptions, got str."),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_is_refused_before_a_film_is_fitted(
+    film, monkeypatch: pytest.MonkeyPatch, arguments, message
+):
+    robot = lc.load_robot("amphibot")
+    monkeypatch.setattr(from_points, "fit_chain", lambda *_, **__: pytest.fail("it was fitted"))
+    with pytest.raises(ValueError, match="must") as refusal:
+        invert_points(film.points, robot, **arguments)
+    assert message in str(refusal.value)
 
 
 def test_pixels_become_meters_with_y_up(film):

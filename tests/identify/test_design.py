@@ -6,7 +6,7 @@ import pytest
 from identify.trials import FINNED, ROBOT, WATER, gaits, within
 
 import laticauda as lc
-from laticauda.identify import Measurement, Unknown, fit
+from laticauda.identify import Measurement, Unknown, design, fit
 from laticauda.identify.candidates import coast_down, swim_candidates
 from laticauda.identify.conversion import from_tow
 from laticauda.identify.design import design_experiment
@@ -44,6 +44,22 @@ def random_information(rng, n=3, rank=1):
 
 def log_volume(information):
     return float(np.linalg.slogdet(information + 1e-8 * np.eye(len(information)))[1])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"values": np.ones(2)}, "`values` must be an array of 3 numbers, got an array of shape"),
+        ({"information": np.eye(2)}, "`information` must be an array of 3 x 3 numbers, got an arr"),
+    ],
+)
+def test_arrays_of_another_shape_are_refused_before_a_trial_is_judged(
+    choice, monkeypatch, arguments, message
+):
+    put, candidates = choice
+    monkeypatch.setattr(design, "information_of", lambda *_: pytest.fail("one was judged"))
+    with pytest.raises(ValueError, match=message):
+        design_experiment(put, candidates, 1, **arguments)
 
 
 def test_no_trial_makes_anything_less_certain(choice):

@@ -7,7 +7,7 @@ from hypothesis import given, settings, strategies as st
 from identify.trials import DRAG, FRICTION, ROBOT, gaits
 
 import laticauda as lc
-from laticauda.identify import Unknown, fit, swim_candidates, trial_information
+from laticauda.identify import Unknown, discrimination, fit, swim_candidates, trial_information
 from laticauda.identify.conversion import from_tow
 from laticauda.identify.discrimination import discriminate, misidentification_probability
 from laticauda.identify.identifiability import marginal
@@ -32,6 +32,17 @@ STRAIGHT, OBLIQUE, STEEP = (
     Tow(speed=0.4, angle=math.radians(15)),
     Tow(speed=0.4, angle=1.2),
 )
+
+
+def test_a_model_with_fewer_candidates_is_named_before_any_is_judged(monkeypatch):
+    rivals = {"a": rival(BOOK, STRAIGHT, OBLIQUE), "b": rival(BOOK, STRAIGHT)}
+    monkeypatch.setattr(
+        discrimination, "predict_candidates", lambda *_: pytest.fail("one was judged")
+    )
+    with pytest.raises(
+        ValueError, match=r"`rivals\[b\]` must have 2 candidates, as the first model has, got 1"
+    ):
+        discriminate(rivals, 1)
 
 
 def test_an_oblique_tow_tells_what_a_straight_one_cannot():

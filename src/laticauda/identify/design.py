@@ -28,7 +28,13 @@ from laticauda.identify.selection import CRITERIA, Score, best_of, score_of
 from laticauda.identify.trial_information import deviations_after, information_of, prior_information
 from laticauda.identify.unknowns import ResolvedUnknown
 from laticauda.models.simulate import Progress, silent
-from laticauda.values import check_choice, check_not_empty, check_whole_number
+from laticauda.values import (
+    BadArgument,
+    check_choice,
+    check_not_empty,
+    check_whole_number,
+    show_value,
+)
 from laticauda.values.packaging import renamed_names
 
 
@@ -112,8 +118,10 @@ def design_experiment(
     check_choice("criterion", criterion, (*CRITERIA, *names))
     if values is None:
         values = problem.start
+    _check_shape("values", values, (len(names),))
     if information is None:
         information = prior_information(problem, values)
+    _check_shape("information", information, (len(names), len(names)))
     scale = np.outer(problem.sizes, problem.sizes)
     added = information_of(problem, candidates, values, progress) * scale
     known = information * scale
@@ -151,6 +159,13 @@ def _judge_alone(
     return tuple(
         Judged(trial=candidates[i], numbers=deviations_after(known + added[i])) for i in best_first
     )
+
+
+def _check_shape(name: str, numbers: np.ndarray, shape: tuple[int, ...]) -> None:
+    """Reject numbers that are not one for each unknown, or one for each pair of them."""
+    if np.shape(numbers) != shape:
+        rule = f"must be an array of {' x '.join(map(str, shape))} numbers"
+        raise BadArgument(name, f"{rule}, got {show_value(numbers)}")
 
 
 def _after_best_swims(

@@ -152,6 +152,10 @@ def _candidates_of_first(rivals: Mapping[str, Rival]) -> Sequence[Measurement]:
     if len(rivals) < 2 or not candidates:
         rule = f"must be at least two models with candidates, got {len(rivals)}"
         raise BadArgument("rivals", rule)
+    for name, rival in rivals.items():
+        if len(rival.candidates) != len(candidates):
+            rule = f"must have {len(candidates)} candidates, as the first model has"
+            raise BadArgument(f"rivals[{name}]", f"{rule}, got {len(rival.candidates)}")
     return candidates
 
 

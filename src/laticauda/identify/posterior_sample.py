@@ -15,6 +15,8 @@ _WIDEST_START = 0.3
 """Largest spread of the starts, along unknowns that are not identified, in large changes [-]."""
 _NARROWEST_START = 1e-3
 """Spread of the starts along an unknown without any uncertainty, in large changes [-]."""
+LARGEST_SEED = 2**32 - 1
+"""Largest seed that emcee's generator takes."""
 _MARGIN = 1e-9
 """Distance of the starts from the ends of the range, as a fraction of a large change [-]."""
 
@@ -85,6 +87,7 @@ def sample_posterior(
         D. Foreman-Mackey et al., emcee: The MCMC Hammer, PASP 125 (2013) 306-312.
     """
     check_whole_number("n_steps", n_steps, 2)
+    check_whole_number("seed", seed, 0, LARGEST_SEED)
     problem = fit.problem
     n_unknowns = len(fit.estimates)
     if n_walkers is None:

@@ -36,7 +36,7 @@ from laticauda.identify.resolving import ScopedName, list_numbers
 from laticauda.identify.unknowns import ResolvedUnknown
 from laticauda.models.simulate import UNITS, Parameter, swim
 from laticauda.scenarios import Scenario
-from laticauda.values import BadArgument
+from laticauda.values import BadArgument, check_whole_number
 
 FIGURES = ("forward_velocity", "mean_power")
 """Figures that are predicted, as far as the run has them."""
@@ -149,6 +149,8 @@ def predict_scenario(
         >>> speed.low < speed.value < speed.high
         True
     """
+    if threads is not None:
+        check_whole_number("threads", threads, 1)
     swim(scenario, throw=True)
     problem = _problem_of(basis, scenario, threads)
     values = np.array([unknown.start for unknown in problem.unknowns])

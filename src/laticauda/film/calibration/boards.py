@@ -69,8 +69,10 @@ def pictures_of_film(
 
     Raises:
         TrialFileError: If it cannot be read.
+        ValueError: If it is not one picture at least.
         MissingExtra: If OpenCV is not installed.
     """
+    check_whole_number("n_pictures", n_pictures, 1)
     opencv = load_opencv("Reading a film")
     pictures: list[Picture] = []
     with open_film(path) as capture:

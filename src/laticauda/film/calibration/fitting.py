@@ -17,7 +17,7 @@ from jaxtyping import Bool, Complex, Float, Int
 from laticauda.film.calibration.calibration import CameraCalibration
 from laticauda.film.calibration.optics import Lens, Pixels, Places, Surface, locate
 from laticauda.film.vision import load_opencv
-from laticauda.values import BadArgument, optional_import
+from laticauda.values import BadArgument, check_finite, check_not_negative, optional_import
 
 FEWEST_MARKS = 4
 """Marks that determine a pose."""
@@ -146,6 +146,8 @@ def calibrate_camera(
             the worst tag.
         MissingExtra: If OpenCV or SciPy is not installed.
     """
+    check_finite("plane_height", plane_height, "m")
+    check_not_negative("plane_height_deviation", plane_height_deviation, "m")
     if len(marks.pixels) < FEWEST_MARKS:
         raise BadArgument(
             "marks", f"must be at least {FEWEST_MARKS} points, got {len(marks.pixels)}"

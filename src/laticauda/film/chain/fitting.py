@@ -109,6 +109,7 @@ def fit_chain(
     check_instance("points", points, TrackedPoints)
     check_instance("robot", robot, Robot)
     _check_points(points, places)
+    check_whole_number("seed", seed, 0)
     if harmonics is not None:
         check_whole_number("harmonics", harmonics, 0, 10)
     geometry = ChainGeometry.of(robot.planar(), places)

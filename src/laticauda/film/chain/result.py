@@ -13,6 +13,7 @@ from laticauda.film.chain.geometry import N_ROOT, PointPlaces
 from laticauda.film.chain.motion import ChainMotion
 from laticauda.film.points import TrackedPoints
 from laticauda.robot import Robot
+from laticauda.values import check_whole_number
 
 LARGEST_CORRELATION = 0.95
 """Correlation of noise in consecutive frames, at most: at 1 a film would say nothing."""
@@ -135,7 +136,12 @@ class ChainFit:
 
         Returns:
             The motions; the first axis is that of draws.
+
+        Raises:
+            ValueError: If `n_draws` or `seed` is no whole number in its range.
         """
+        check_whole_number("n_draws", n_draws, 1)
+        check_whole_number("seed", seed, 0)
         white = np.random.default_rng(seed).standard_normal((self.vector.size, n_draws))
         changes = self.widening * self.factor.whiten_back(white)
         return self._motions(time, self.vector[:, np.newaxis] + changes)

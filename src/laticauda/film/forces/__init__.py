@@ -1,5 +1,6 @@
 """From a fitted film to forces, power and efficiency with intervals.
 
+arguments    what they may be, checked before the work
 window       which part of a film the figures are of
 assumptions  what is assumed of water and body, and draws of it
 loads        forces and torques of every draw, and what the water does not explain

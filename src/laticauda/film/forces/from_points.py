@@ -8,8 +8,9 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from laticauda.film.chain import PointPlaces, fit_chain, places_at
+from laticauda.film.forces.arguments import check_force_arguments
 from laticauda.film.forces.assumptions import Assumptions
-from laticauda.film.forces.inverse import USUAL_DRAWS, FilmForces, find_forces
+from laticauda.film.forces.inverse import USUAL_DRAWS, USUAL_SWIMS, FilmForces, find_forces
 from laticauda.film.forces.progress import SHARE_OF_FIT, ignore_progress, part_of_progress
 from laticauda.film.forces.stretch import measure_stretch
 from laticauda.film.points import TrackedPoints
@@ -73,6 +74,17 @@ def invert_points(
     """
     check_instance("points", points, TrackedPoints)
     check_instance("robot", robot, Robot)
+    check_force_arguments(
+        time=points.time,
+        water=water,
+        span=span,
+        body_deviation=body_deviation,
+        scale_deviation=scale_deviation,
+        n_draws=n_draws,
+        n_swims=USUAL_SWIMS,
+        seed=seed,
+        threads=threads,
+    )
     points, places = _place_points(points, robot, along)
     report = on_progress or ignore_progress
     fit = fit_chain(

@@ -15,6 +15,7 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.film.chain import ChainFit, ChainMotion
+from laticauda.film.forces.arguments import check_force_arguments
 from laticauda.film.forces.assumptions import (
     AssumptionDraws,
     Assumptions,
@@ -27,7 +28,7 @@ from laticauda.film.forces.loads import LoadDraws, evaluate_draws
 from laticauda.film.forces.progress import ignore_progress, part_of_progress
 from laticauda.film.forces.window import Window, choose_window
 from laticauda.robot import Water
-from laticauda.values import BadArgument, check_instance, check_whole_number
+from laticauda.values import BadArgument, check_instance
 
 USUAL_DRAWS = 200
 """Draws of motion, body and water."""
@@ -196,8 +197,17 @@ def find_forces(
         ValueError: If the film holds no whole cycle, or an argument is out of its range.
     """
     check_instance("fit", fit, ChainFit)
-    check_whole_number("n_draws", n_draws, 40, 100_000)
-    check_whole_number("n_swims", n_swims, 0, 100_000)
+    check_force_arguments(
+        time=fit.model.time,
+        water=water,
+        span=span,
+        body_deviation=body_deviation,
+        scale_deviation=scale_deviation,
+        n_draws=n_draws,
+        n_swims=n_swims,
+        seed=seed,
+        threads=threads,
+    )
     if fit.points.n_frames < FEWEST_FRAMES:
         rule = f"must hold at least {FEWEST_FRAMES} frames, for fewer do not show accelerations"
         raise BadArgument("points", f"{rule}, got {fit.points.n_frames}")
@@ -260,7 +270,6 @@ def _assumptions_of(
         return Assumptions.of_textbook(
             fit.robot, speed, body_deviation=body_deviation, scale_deviation=scale_deviation
         )
-    check_instance("water", water, Water)
     return Assumptions(water=water, body_deviation=body_deviation, scale_deviation=scale_deviation)
 
 

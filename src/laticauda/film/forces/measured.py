@@ -10,6 +10,7 @@ from jaxtyping import Float
 
 import laticauda as lc
 from laticauda.film.chain import ChainFit, ChainMotion
+from laticauda.film.forces.arguments import check_span
 from laticauda.identify import Measurement
 from laticauda.robot import Water
 from laticauda.values import BadArgument, check_instance, check_whole_number
@@ -49,12 +50,12 @@ def measure_glide(
     check_instance("fit", fit, ChainFit)
     check_instance("water", water, Water)
     check_whole_number("n_moments", n_moments, 3, 200)
-    first = float(fit.model.time[0])
-    last = float(fit.model.time[-1])
-    begin, end = span or (first, last)
-    if not first <= begin < end <= last:
-        rule = f"must lie within the film, {first:.4g} to {last:.4g} s"
-        raise BadArgument("span", f"{rule}, got {begin:.4g} to {end:.4g}")
+    check_whole_number("seed", seed, 0)
+    begin = float(fit.model.time[0])
+    end = float(fit.model.time[-1])
+    if span is not None:
+        check_span(span, fit.model.time)
+        begin, end = span
     time = np.linspace(begin, end, n_moments)
     motion = fit.motion(time)
     bend = float(np.sqrt(np.mean(motion.joint_angle**2)))

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.film.chain import ChainFit
+from laticauda.film.forces.arguments import check_span
 from laticauda.values import BadArgument
 
 END_CYCLES = 0.25
@@ -76,10 +77,9 @@ def choose_window(fit: ChainFit, span: tuple[float, float] | None = None) -> Win
     """
     first = float(fit.model.time[0])
     last = float(fit.model.time[-1])
+    if span is not None:
+        check_span(span, fit.model.time)
     begin, end = span or (first, last)
-    if not first <= begin < end <= last:
-        rule = f"must go from a begin to a later end within the film, {first:.4g} to {last:.4g} s"
-        raise BadArgument("span", f"{rule}, got {begin:.4g} to {end:.4g}")
     if fit.frequency == 0.0:
         margin = END_SHARE * (last - first)
         return Window(begin=max(begin, first + margin), end=min(end, last - margin), n_cycles=0)

@@ -80,6 +80,8 @@ def find_tags(
         ValueError: If no frame rate that is possible is given.
         MissingExtra: If OpenCV is not installed.
     """
+    if frame_rate is not None:
+        check_positive("frame_rate", frame_rate, "1/s")
     opencv = load_opencv("Finding tags in a film")
     detector = _make_detector(opencv, layout)
     column_of = {number: i for i, number in enumerate(layout.numbers)}
@@ -134,7 +136,7 @@ def _times_of_frames(
     """Return the times of frames: from the rate that is given, those that the film states, or its rate [s]."""
     counted = np.arange(float(stated_times.size))
     if frame_rate is not None:
-        return counted / check_positive("frame_rate", frame_rate, "1/s")
+        return counted / frame_rate
     if np.all(np.diff(stated_times) > 0.0):  # phones take frames at uneven times
         return stated_times - stated_times[0]
     if not 0.0 < stated_rate <= FASTEST_CAMERA:
