@@ -113,6 +113,17 @@ class LambOseen(Flow):
         return around(dx, dy, g, g_slope, g_t, self.velocity_x, self.velocity_y)
 
 
+def smooth_step(s: float) -> tuple[float, float]:
+    """Return a smooth step from 0 at s <= 0 to 1 at s >= 1, and its slope.
+
+    Args:
+        s: Share of the step [-].
+    """
+    not_negative = where(s.real > 0.0, s, 0.0 * s)
+    share = where(not_negative.real < 1.0, not_negative, 1.0 + 0.0 * s)
+    return share * share * (3.0 - 2.0 * share), 6.0 * share * (1.0 - share)
+
+
 @value_class
 class _Shed(LambOseen):
     """One vortex of a street: it leaves the cylinder, drifts downstream, fades, and restarts; its core is constant."""
@@ -127,21 +138,18 @@ class _Shed(LambOseen):
         dx = x - self.x - self.velocity_x * self.life * share
         dy = y - self.y - self.velocity_y * self.life * share
 
-        # Smooth steps from 0 to 1 at the beginning of a life, and from 1 to 0 at its end.
-        begun = share / FADE
-        left = (1.0 - share) / FADE
-        begun = where(begun.real < 1.0, begun, 1.0 + 0.0 * begun)
-        left = where(left.real < 1.0, left, 1.0 + 0.0 * left)
-        growth = begun * begun * (3.0 - 2.0 * begun)
-        fading = left * left * (3.0 - 2.0 * left)
-        steepness = 6.0 / (FADE * self.life)
-        rate = steepness * (begun * (1.0 - begun) * fading - left * (1.0 - left) * growth)
+        # Up at the beginning of a life, down at its end.
+        grown_share, growth_slope = smooth_step(share / FADE)
+        unfaded_share, fading_slope = smooth_step((1.0 - share) / FADE)
+        strength_share = grown_share * unfaded_share
+        slope_of_share = growth_slope * unfaded_share - grown_share * fading_slope
+        rate = slope_of_share / (FADE * self.life)
 
         core_2 = self.core * self.core
         h, slope, _ = lamb_oseen((dx * dx + dy * dy) / core_2)
         strength = 0.5 * self.circulation / (math.pi * core_2)
-        g = strength * growth * fading
-        g_slope = strength * growth * fading / core_2
+        g = strength * strength_share
+        g_slope = strength * strength_share / core_2
         g_t = strength * rate * h
         return around(dx, dy, g * h, g_slope * slope, g_t, self.velocity_x, self.velocity_y)
 

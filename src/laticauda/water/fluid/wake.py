@@ -21,8 +21,8 @@ from functools import cached_property
 
 import numpy as np
 
-from laticauda.values import BadArgument, quantity, value_class, where
-from laticauda.water.fluid.eddies import LambOseen, around, lamb_oseen
+from laticauda.values import BadArgument, quantity, value_class
+from laticauda.water.fluid.eddies import LambOseen, around, lamb_oseen, smooth_step
 from laticauda.water.fluid.flow import Flow
 from laticauda.water.fluid.uniform import Uniform
 
@@ -32,17 +32,6 @@ GROWTH = 1.1
 """Ratio of the circulations among which the first with enough momentum is sought [-]."""
 HALVINGS = 60
 """Steps in which it is then found to rounding."""
-
-
-def smooth_step(s: float) -> tuple[float, float]:
-    """Return a smooth step from 0 at s <= 0 to 1 at s >= 1, and its slope.
-
-    Args:
-        s: Share of the step [-].
-    """
-    not_negative = where(s.real > 0.0, s, 0.0 * s)
-    share = where(not_negative.real < 1.0, not_negative, 1.0 + 0.0 * s)
-    return share * share * (3.0 - 2.0 * share), 6.0 * share * (1.0 - share)
 
 
 @value_class
