@@ -67,10 +67,10 @@ class Assembly:
         robot = self._build_robot(drivetrain)
         links = {link.text("name"): link for link in self.parts.items("links")}
         robot_with_drag = add_drag(
-            robot,
-            self.spine,
-            links,
-            self.remarks,
+            robot=robot,
+            spine=self.spine,
+            links=links,
+            remarks=self.remarks,
         )
         water = None
         if robot_with_drag is not None:
@@ -154,10 +154,10 @@ class Assembly:
             self.remarks.append("oscillators without numbers: another program is the network")
             return None
         return build_network(
-            network,
-            self._list_moved_joints(),
-            drives,
-            self.remarks,
+            entry=network,
+            joints=self._list_moved_joints(),
+            drives=drives,
+            remarks=self.remarks,
         )
 
     def _list_moved_joints(self) -> list[MovedJoint]:

@@ -254,11 +254,7 @@ def normalize(vector: Vector) -> Vector:
     return vector / np.linalg.norm(vector)
 
 
-def rotate_by_rpy(
-    roll: float,
-    pitch: float,
-    yaw: float,
-) -> Matrix:
+def rotate_by_rpy(roll: float, pitch: float, yaw: float) -> Matrix:
     """Return the rotation about x, then y, then z, all three fixed: angles of SDF and URDF.
 
     Args:
@@ -272,11 +268,7 @@ def rotate_by_rpy(
     return about_z @ about_y @ about_x
 
 
-def _rotate_about(
-    angle: float,
-    first: int,
-    second: int,
-) -> Matrix:
+def _rotate_about(angle: float, first: int, second: int) -> Matrix:
     """Return the rotation that turns the first axis toward the second one."""
     rotation = np.eye(3)
     rotation[first, first] = math.cos(angle)

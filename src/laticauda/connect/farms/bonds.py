@@ -43,10 +43,10 @@ def find_bonds(
     """
     bonds = [
         _find_bond(
-            file,
-            rear,
-            front,
-            remarks,
+            file=file,
+            rear=rear,
+            front=front,
+            remarks=remarks,
         )
         for rear, front in pairwise(pairs)
     ]

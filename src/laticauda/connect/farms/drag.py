@@ -54,10 +54,10 @@ def add_drag(
     """
     drags = [
         _drag_of(
-            segment,
-            spine,
-            links,
-            remarks,
+            segment=segment,
+            spine=spine,
+            links=links,
+            remarks=remarks,
         )
         for segment in reversed(spine.segments)
     ]

@@ -248,10 +248,10 @@ def read_entries(path: str | Path) -> Entry:
     """
     text = read_text(path, RobotFileError)
     yaml = optional_import(
-        "Reading an animat of FARMS",
-        "PyYAML",
-        "farms",
-        "yaml",
+        feature="Reading an animat of FARMS",
+        package="PyYAML",
+        extra="farms",
+        module="yaml",
     )
     try:
         table = yaml.load(text, Loader=_plain_loader(yaml))

@@ -42,13 +42,7 @@ def load_farms(
         if morphology is not None:
             rule = f"must not be given with {path.name}, which is one itself"
             raise BadArgument("morphology", rule)
-        empty_entry = Entry(path, "", {})
-        return Assembly(
-            _read_morphology(path),
-            path,
-            empty_entry,
-            head,
-        ).build(drives)
+        return _assemble(bodies_file=path, entry=Entry(path, "", {}), head=head).build(drives)
     if ending not in ANIMAT_ENDINGS:
         endings = ", ".join((*ANIMAT_ENDINGS, *MORPHOLOGY_ENDINGS))
         raise RobotFileError(f"{path}: must be an animat of FARMS, a file that ends in {endings}")
@@ -57,12 +51,17 @@ def load_farms(
         bodies_file = _find_morphology(entry)
     else:
         bodies_file = Path(morphology)
+    return _assemble(bodies_file=bodies_file, entry=entry, head=head).build(drives)
+
+
+def _assemble(*, bodies_file: Path, entry: Entry, head: str | None) -> Assembly:
+    """Return the animat of a file of bodies, about to be built."""
     return Assembly(
-        _read_morphology(bodies_file),
-        bodies_file,
-        entry,
-        head,
-    ).build(drives)
+        morphology=_read_morphology(bodies_file),
+        bodies_file=bodies_file,
+        entry=entry,
+        head=head,
+    )
 
 
 def _check_drives(drive: float | tuple[float, float] | None) -> Drives | None:

@@ -54,8 +54,8 @@ def _read_stl(content: bytes) -> Points | None:
         return None  # written as text, or cut off
     triangles = np.frombuffer(
         content,
-        STL_TRIANGLE,
-        n_triangles,
-        STL_HEADER,
+        dtype=STL_TRIANGLE,
+        count=n_triangles,
+        offset=STL_HEADER,
     )
     return triangles["numbers"][:, 1:].reshape(-1, 3).astype(float)

@@ -54,10 +54,10 @@ def build_robot(
     modules = [_build_module(spine, index) for index in range(len(spine.segments))]
     joints = [
         _build_joint(
-            spine,
-            hinge,
-            actuators.get(hinge.name, UNKNOWN_ACTUATOR),
-            remarks,
+            spine=spine,
+            hinge=hinge,
+            actuator=actuators.get(hinge.name, UNKNOWN_ACTUATOR),
+            remarks=remarks,
         )
         for hinge in spine.hinges
     ]
@@ -149,20 +149,20 @@ def _find_ends(
     if index == 0:
         rear = hinges[0].anchor
         front = _find_free_end(
-            spine,
-            index,
-            rear,
-            lump,
+            spine=spine,
+            index=index,
+            anchor=rear,
+            lump=lump,
         )
         return _Ends(front=front, rear=rear)
     front = hinges[index - 1].anchor
     if index < len(hinges):
         return _Ends(front=front, rear=hinges[index].anchor)
     rear = _find_free_end(
-        spine,
-        index,
-        front,
-        lump,
+        spine=spine,
+        index=index,
+        anchor=front,
+        lump=lump,
     )
     return _Ends(front=front, rear=rear)
 

@@ -128,11 +128,11 @@ class _Reader:
             if child in joints:
                 raise self._error(f"link `{child}` is the child of two joints")
             joints[child] = Joint(
-                name,
-                str(element.get("type")),
-                parent,
-                child,
-                element,
+                name=name,
+                kind=str(element.get("type")),
+                parent=parent,
+                child=child,
+                element=element,
             )
         return joints
 
