@@ -13,6 +13,7 @@ sharing         shares of a sweep, each run by a process of its own, and their m
 design_limits   battery, mass, buoyancy, lengths: what a design must respect
 optimization    definition of an optimization, and the evaluation of its points
 choosing        which search an optimization takes
+point_search    what all searches have in common
 search          an evolution: which points to try next
 slope_search    the same with the slopes of one objective
 cma_search      CMA-ES

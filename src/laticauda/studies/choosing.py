@@ -16,6 +16,7 @@ from laticauda.studies.optimization import (
     compute_slope,
     has_slopes,
 )
+from laticauda.studies.point_search import PointSearch
 from laticauda.studies.search import Search, package_versions
 from laticauda.studies.slope_search import SlopeSearch
 from laticauda.values import BadArgument, check_choice, check_whole_number
@@ -36,7 +37,7 @@ MOST_NUMBERS = 10
 class ChosenSearch(NamedTuple):
     """A search, and what its numbers depend on."""
 
-    search: Search | SlopeSearch | LimitedSearch | CmaSearch
+    search: PointSearch
     settings: dict[str, Any]
     """Its settings and the versions of packages, for a file."""
     least_budget: int

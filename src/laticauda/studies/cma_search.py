@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
+from laticauda.studies.point_search import Losses, PointSearch, Violation
 from laticauda.studies.sampling import Table
 from laticauda.values import optional_import
 
@@ -18,8 +19,8 @@ FIRST_DEVIATION = 0.1
 """Standard deviation of the first generation, as a share of every number's range [-]."""
 
 
-class CmaSearch:
-    """A seeded search with the interface of `Search`.
+class CmaSearch(PointSearch):
+    """A seeded search for one objective.
 
     Args:
         start: Point around which it begins.
@@ -68,8 +69,6 @@ class CmaSearch:
         shares = np.clip((start - low) / self._range, 0.0, 1.0)
         self._strategy: Any = cma.CMAEvolutionStrategy(shares, deviation, settings)
         self._asked: list[Any] = []
-        self.n_slope_trials = 0
-        """Trials that slopes cost: none."""
 
     @property
     def population(self) -> int:
@@ -81,17 +80,7 @@ class CmaSearch:
         self._asked = self._strategy.ask()
         return self._low + self._range * np.array(self._asked)
 
-    def tell(
-        self,
-        losses: Float[np.ndarray, "n n_objectives"],
-        violation: Float[np.ndarray, " n"],
-    ) -> None:
-        """Report the results of the points of the last generation.
-
-        Args:
-            losses: Losses (smaller is better); any finite number for infeasible points.
-            violation: 0 for feasible points, otherwise how far they are from being feasible.
-        """
+    def _learn(self, losses: Losses, violation: Violation) -> None:
         is_feasible = violation == 0.0
         feasible_losses = losses[is_feasible, 0]
         worst = float(np.max(feasible_losses, initial=0.0))

@@ -16,6 +16,7 @@ from jaxtyping import Bool, Float
 
 from laticauda.studies.cma_search import CmaSearch
 from laticauda.studies.local_model import LocalModel
+from laticauda.studies.point_search import Losses, PointSearch, Violation
 from laticauda.studies.quadratic import solve_quadratic
 from laticauda.studies.sampling import Table
 from laticauda.studies.slopes import PointSlope
@@ -107,8 +108,8 @@ class _Steps(NamedTuple):
     """By how much each stays below the limits to first order [-]."""
 
 
-class LimitedSearch:
-    """A search with the interface of `Search`, for one objective whose slopes and limits are known.
+class LimitedSearch(PointSearch):
+    """A search for one objective whose slopes and limits are known.
 
     Args:
         start: Point with which it begins.
@@ -148,8 +149,6 @@ class LimitedSearch:
         self._radius = FIRST_RADIUS
         self._bend = FIRST_BEND
         self._curvature = _Curvature(low.size)
-        self.n_slope_trials = 0
-        """Trials that the slopes cost so far, besides the points that were asked."""
 
     def ask(self) -> Table:
         """Return the next points to try."""
@@ -176,15 +175,7 @@ class LimitedSearch:
             )
         return self._evolution.ask()
 
-    def tell(
-        self, losses: Float[np.ndarray, "n n_objectives"], violation: Float[np.ndarray, " n"]
-    ) -> None:
-        """Report the results of the points that were asked last.
-
-        Args:
-            losses: Losses (smaller is better).
-            violation: 0 for feasible points, otherwise how far they are from being feasible.
-        """
+    def _learn(self, losses: Losses, violation: Violation) -> None:
         before = self._best
         best = self._best_of(losses[:, 0], violation)
         improves = best.is_better(before)

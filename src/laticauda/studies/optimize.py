@@ -6,7 +6,7 @@
 
 from contextlib import nullcontext
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 
@@ -20,18 +20,13 @@ from laticauda.studies.checkpoint import (
     join_columns,
 )
 from laticauda.studies.choosing import Method, choose_search
-from laticauda.studies.cma_search import CmaSearch
 from laticauda.studies.folder import as_stored, owned
 from laticauda.studies.front import Front, pareto_front
-from laticauda.studies.limited_search import LimitedSearch
 from laticauda.studies.optimization import VIOLATION, Optimization, compute_losses, evaluate
+from laticauda.studies.point_search import PointSearch
 from laticauda.studies.point_trials import Progress
 from laticauda.studies.refusals import count_refusals
-from laticauda.studies.search import Search
-from laticauda.studies.slope_search import SlopeSearch
 from laticauda.values import BadArgument, check_whole_number
-
-AnySearch: TypeAlias = Search | SlopeSearch | LimitedSearch | CmaSearch
 
 
 def optimize(
@@ -106,7 +101,7 @@ def optimize(
 
 def _search(
     optimization: Optimization,
-    search: AnySearch,
+    search: PointSearch,
     checkpoint: Checkpoint,
     budget: int,
     progress: Progress,

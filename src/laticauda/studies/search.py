@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
+from laticauda.studies.point_search import Losses, PointSearch, Violation
 from laticauda.studies.sampling import Table
 from laticauda.values import optional_import
 
@@ -21,8 +22,8 @@ CROSSOVER_RATE = 0.9
 """CR of differential evolution: probability that a number comes from the mutated point [-]."""
 
 
-class Search:
-    """A seeded search with an ask-and-tell interface.
+class Search(PointSearch):
+    """A seeded evolution.
 
     Args:
         low: Smallest value of every parameter.
@@ -34,9 +35,6 @@ class Search:
     Raises:
         MissingExtra: If pymoo is not installed.
     """
-
-    n_slope_trials = 0
-    """Trials that slopes cost and that count: none."""
 
     def __init__(
         self,
@@ -57,23 +55,13 @@ class Search:
         self._generation: Any = None
 
     def ask(self) -> Table:
-        """Return the next generation; no rows if the search has no new points to try."""
+        """Return the next generation."""
         self._generation = self._algorithm.ask()
         if self._generation is None or len(self._generation) == 0:
             return np.empty((0, self._problem.n_var))
         return np.array(self._generation.get("X"), dtype=float)
 
-    def tell(
-        self,
-        losses: Float[np.ndarray, "n n_objectives"],
-        violation: Float[np.ndarray, " n"],
-    ) -> None:
-        """Report the results of the points of the last generation.
-
-        Args:
-            losses: Losses (smaller is better); any finite number for infeasible points.
-            violation: 0 for feasible points, otherwise how far they are from being feasible.
-        """
+    def _learn(self, losses: Losses, violation: Violation) -> None:
         self._generation.set("F", losses)
         self._generation.set("G", violation[:, np.newaxis])
         for individual in self._generation:

@@ -14,6 +14,7 @@ from typing import TypeAlias
 import numpy as np
 from jaxtyping import Bool, Float
 
+from laticauda.studies.point_search import Losses, PointSearch, Violation
 from laticauda.studies.sampling import Table
 from laticauda.studies.search import Search
 from laticauda.studies.slopes import PointSlope, SlopeChange
@@ -34,8 +35,8 @@ LEAST_CURVATURE = 1e-10
 """Curvature below which two slopes say nothing about it [-]."""
 
 
-class SlopeSearch:
-    """A search with the interface of `Search`, for one objective whose slopes are known.
+class SlopeSearch(PointSearch):
+    """A search for one objective whose slopes are known.
 
     Args:
         search: The evolution.
@@ -43,9 +44,6 @@ class SlopeSearch:
         low: Smallest value of every parameter.
         high: Largest value of every parameter.
     """
-
-    n_slope_trials = 0
-    """Trials that slopes cost and that count: none."""
 
     def __init__(self, search: Search, slope: Slope, low: Point, high: Point) -> None:
         self._search = search
@@ -73,15 +71,7 @@ class SlopeSearch:
         self._asked = points
         return points
 
-    def tell(
-        self, losses: Float[np.ndarray, "n n_objectives"], violation: Float[np.ndarray, " n"]
-    ) -> None:
-        """Report the results of the points that were asked last.
-
-        Args:
-            losses: Losses (smaller is better).
-            violation: 0 for feasible points.
-        """
+    def _learn(self, losses: Losses, violation: Violation) -> None:
         if not self._asked_along_slope:
             self._search.tell(losses, violation)
             self._is_descending = self._is_unfinished
