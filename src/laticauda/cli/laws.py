@@ -8,8 +8,7 @@ from typing import TypeVar
 from laticauda import robot
 from laticauda.cli.flags import BadFlag, accept_objects
 from laticauda.cli.tables import parse_numbers
-from laticauda.values import BadArgument, Extensible, LaticaudaError, codec, name_of
-from laticauda.values.errors import as_sentence
+from laticauda.values import BadArgument, Extensible, LaticaudaError, as_sentence, codec, name_of
 from laticauda.water.fluid import Flow
 
 Member = TypeVar("Member", bound=Extensible)
@@ -75,7 +74,7 @@ def parse_current(typed: Sequence[str]) -> Flow:
     except codec.BadKey as error:
         raise BadFlag(f"--current {name}: {error}") from None
     except BadArgument as error:
-        raise BadFlag(as_sentence(f"--current {error.rule}")) from None
+        raise BadFlag(error.sentence_about("--current")) from None
     except LaticaudaError as error:
         raise BadFlag(as_sentence(f"--current: {error}")) from None
 

@@ -64,6 +64,7 @@ if TYPE_CHECKING:
         TableWarning as TableWarning,
         TrialFileError as TrialFileError,
         UnitWarning as UnitWarning,
+        as_sentence as as_sentence,
     )
     from laticauda.values.misnamed import Suggesting as Suggesting, hint_at as hint_at
     from laticauda.values.named_arguments import by_name_only as by_name_only
@@ -198,6 +199,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "TableWarning",
             "TrialFileError",
             "UnitWarning",
+            "as_sentence",
         ],
         "laticauda.values.misnamed": ["Suggesting", "hint_at"],
         "laticauda.values.named_arguments": ["by_name_only"],
