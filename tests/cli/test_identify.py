@@ -134,12 +134,42 @@ def test_bad_input_is_named(run, folder: Path, trials: Path):
         f"identify {one} --parameters {DRAG} --measured speed=0.1": "must be one of",
         f"identify {one} --parameters {DRAG} --measured forward_velocity": "--measured must be NAME=SIGMA",
         f"identify {one} --parameters gait.amplitude": "must not be of the gait",
+        f"identify {one} --parameters robot.module[3].mas": "--parameters must name numbers of the",
+        f"identify {one} --parameters robot.module[33].mass": "`robot.module` counts from [0] at the tail to [8]",
+        f"identify {one} --parameters gait.phase[8]": "`gait.phase` counts from [0] at the tail to [7]",
+        f"identify {one} --parameters robot.taper.mass.nose": "then .tail or head or bulge",
+        f"identify {one} --parameters robot.module[3].mass robot.module.mass": "--parameters must name each number "
+        "once, got `robot.module[3].mass` and `robot.module.mass`",
+        f"identify {one} --parameters robot.module[:4].mass lateral_undulation.robot.module[3].mass "
+        "robot.taper.mass.head": "must name each number once",
+        f"identify {one} --parameters robot.module[3].mass=-1:1": "`lower` of `robot.module[3].mass` must be in its "
+        "range, got -1: `mass` must be > 0 kg",
     }
     for line, text in cases.items():
         done = run(f"{line} {FAST}" if line != "identify" else line)
         assert done.status == 2, (line, done.err)
         assert text in done.err, (line, done.err)
         assert done.out == ""
+
+
+def test_numbers_of_single_parts_are_in_a_robot_and_a_scenario(run, folder: Path, trials: Path):
+    names = "robot.module[3].normal-drag=0.5:4 gait.amplitude[2]=0.52+-0.05"
+    done = run(f"identify {trials / 'run-0.nc'} --parameters {names} --quick {FAST}")
+    assert (done.status, done.err) == (0, "")
+    left_out = "without robot.module[3].normal_drag, gait.amplitude[2], which it cannot hold"
+    assert f"identification/parameters.toml: for --parameters, {left_out}" in done.out
+    assert "identification/robot.toml: the robot, with all values, for --robot" in done.out
+    out = folder / "identification"
+    found = json.loads((out / "fit.json").read_text())
+    drag, amplitude, *_ = (row["best"] for row in found["parameters"])
+    robot = lc.load_robot(out / "robot.toml")
+    assert [module.normal_drag for module in robot.modules[2:4]] == [None, drag]
+    scenario = lc.load_scenario(out / "scenario.toml")
+    assert scenario.robot == robot
+    angles = scenario.gait.amplitude * scenario.gait.joint_envelope(robot.n_links)[2]
+    assert angles == pytest.approx(amplitude, rel=1e-12)
+    page = (out / "identify.html").read_text()
+    assert "It cannot hold robot.module[3].normal_drag, gait.amplitude[2]: scenario.toml" in page
 
 
 def test_what_has_no_effect_and_what_is_repeated_is_said(run, folder: Path, trials: Path):

@@ -42,6 +42,7 @@ def test_what_a_parameter_file_cannot_say_is_refused_but_a_robot_can_have_it():
     with pytest.raises(ValueError, match=r"a parameter file can hold, got `robot.module.mass`"):
         other.parameters("tank", "in the tank")
     assert other.robot(FINNED, "eel_like").modules[0].mass == other["robot.module.mass"].value
+    assert other.beyond_parameter_file == ("robot.module.mass",)
 
 
 def test_what_a_robot_does_not_have_is_left_out():

@@ -1,6 +1,7 @@
 """`laticauda identify`: physical parameters with their uncertainty from measured trials."""
 
 import json
+import re
 import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -57,6 +58,9 @@ from laticauda.values import (
 FORM = "NAME, NAME=LOW:HIGH or NAME=MEAN+-SD, such as water.normal_drag=0.5:4"
 METHOD_OF_TASK = ("starts", "seed", "noise")
 """Options of the method that a task file has, too."""
+_NUMBER = re.compile(r"(?:^|(?<=\.))(?:robot|water|ground|gait|joints|measured|start)\..*")
+"""Name of a number in a name that may begin with a kind of gait, a group or a measurement."""
+_DASH_IN_WORD = re.compile(r"(?<=[a-z])-(?=[a-z])")
 SUFFIXES_WITHOUT_COLUMNS = (".nc", ".mcap")
 """Endings of files that describe themselves."""
 
@@ -336,14 +340,24 @@ def _parse_measured(typed: Sequence[str]) -> dict[str, dict[str, float]]:
 def _parse_unknown(text: str) -> dict[str, Any]:
     """Return one of `parameters` in the form of a task file."""
     if "=" not in text:
-        return {"name": text}
-    name, sign, ends = parse_numbers("parameters", text, FORM, "+-", ":")
+        return {"name": _with_underscores(text)}
+    typed_name, sign, ends = parse_numbers("parameters", text, FORM, "+-", ":")
+    name = _with_underscores(typed_name)
     if len(ends) != 2:
         raise BadArgument("parameters", f"must be {FORM}, got {text!r}")
     if sign == "+-":
         return {"name": name, "prior": ends}
     lower, upper = ends
     return {"name": name, "lower": lower, "upper": upper}
+
+
+def _with_underscores(typed_name: str) -> str:
+    """Return a name that may have been typed with dashes, as for a sweep; those of a measurement's name stay."""
+    number = _NUMBER.search(typed_name)
+    if number is None:
+        return typed_name
+    scope = typed_name[: number.start()]
+    return scope + _DASH_IN_WORD.sub("_", number.group())
 
 
 def _describe(validated: validation.Validation, folder: Path) -> str:
@@ -358,11 +372,23 @@ def _describe(validated: validation.Validation, folder: Path) -> str:
         parts.append("\n".join(remarks))
     if "errors" in tables:
         parts.append("Mean error of the forward velocity:\n" + format_table(tables["errors"]))
-    parts.append(
-        f"{folder / 'identify.html'}\n{folder / 'parameters.toml'}: for --parameters\n"
+    parts.append("\n".join(_list_places(fit, folder)))
+    return "\n\n".join(parts)
+
+
+def _list_places(fit: result.Fit, folder: Path) -> list[str]:
+    """Return where the results are, and what takes them."""
+    lines = [f"{folder / 'identify.html'}", f"{folder / 'parameters.toml'}: for --parameters"]
+    numbers_of_parts = fit.beyond_parameter_file
+    if numbers_of_parts:
+        lines[-1] += f", without {', '.join(numbers_of_parts)}, which it cannot hold"
+        lines.append(f"{folder / 'scenario.toml'}: the first trial, with all values, for swim")
+    if any(name.startswith("robot.") for name in numbers_of_parts):
+        lines.append(f"{folder / 'robot.toml'}: the robot, with all values, for --robot")
+    lines.append(
         f"Any other gait, with an interval: laticauda predict {folder} --amplitude-deg ..."
     )
-    return "\n\n".join(parts)
+    return lines
 
 
 def _without_prior(row: Mapping[str, Any]) -> dict[str, Any]:

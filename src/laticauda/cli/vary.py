@@ -198,11 +198,10 @@ def _find_parameter(
 ) -> TypedParameter:
     """Return the parameter of a name; reject a parameter that was named before."""
     typed_name = name.replace("_", "-")
-    typed = (
-        _match_name(typed_name, parameters)
-        or _match_name_of_parts(typed_name, parameters)
-        or _match_name(typed_name, _list_tapers(parameters))
-    )
+    of_parts = _read_name_of_parts(typed_name, parameters)
+    typed = _match_name(typed_name, parameters) or _match_name(typed_name, _list_tapers(parameters))
+    if typed is None and of_parts is not None and of_parts.name in parameters:
+        typed = TypedParameter(parameters[of_parts.name], of_parts.factor)
     if typed is not None:
         if typed.parameter.name in named_before:
             raise BadArgument("vary", f"must name each parameter only once, got {name!r} again")
@@ -210,7 +209,7 @@ def _find_parameter(
     typed_names = [spell_parameter(parameter) for parameter in parameters.values()]
     hint = suggest_names(typed_name, typed_names)
     if isinstance(parameters, ScenarioParameters):
-        hint = parameters.explain_items(name) or hint
+        hint = parameters.explain_items(of_parts.name if of_parts else name) or hint
     rule = "must name a parameter of robot, gait or water"
     raise BadArgument("vary", f"{rule}, got {name!r}{hint} (--names lists all)")
 
@@ -224,8 +223,16 @@ def _match_name(typed_name: str, parameters: Parameters) -> TypedParameter | Non
     return None
 
 
-def _match_name_of_parts(typed_name: str, parameters: Parameters) -> TypedParameter | None:
-    """Return the parameter of single parts or of a range, robot.module[:5].mass-g; None if there is none."""
+class _NameOfParts(NamedTuple):
+    """Name of a number of single parts or of a range, which the robot may not have."""
+
+    name: str
+    factor: float
+    """What 1 under the typed name is in the SI unit."""
+
+
+def _read_name_of_parts(typed_name: str, parameters: Parameters) -> _NameOfParts | None:
+    """Return what a name with brackets means, robot.module[:5].mass-g; None if no part has such a number."""
     typed = _match_name(strip_items(typed_name), {**parameters, **NUMBERS_OF_JOINTS})
     if typed is None or "[" not in typed_name:
         return None
@@ -233,10 +240,7 @@ def _match_name_of_parts(typed_name: str, parameters: Parameters) -> TypedParame
     steps = typed.parameter.name.split(".")
     for i in range(1, min(len(typed_steps), len(steps)) + 1):
         steps[-i] += "".join(list_brackets(typed_steps[-i]))
-    name = ".".join(steps)
-    if name not in parameters:
-        return None
-    return TypedParameter(parameters[name], typed.factor)
+    return _NameOfParts(".".join(steps), typed.factor)
 
 
 def _list_tapers(parameters: Parameters) -> dict[str, Parameter]:

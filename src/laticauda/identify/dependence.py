@@ -1,12 +1,14 @@
 """Which measurements depend on which unknowns."""
 
 from collections.abc import Mapping, Sequence
+from itertools import compress
 
 import numpy as np
 from jaxtyping import Bool
 
 from laticauda.identify.resolving import ScopedName
 from laticauda.models.simulate import Parameter
+from laticauda.models.simulate.numbers import check_disjoint
 from laticauda.values import BadArgument
 
 Dependence = Bool[np.ndarray, "n_measurements n_unknowns"]
@@ -56,3 +58,5 @@ def _check_unambiguous(depends_on: Dependence, scoped_names: Sequence[ScopedName
                 both_scopes = f"`{scoped_name.scope}` and `{rival.scope}`"
                 rule = f"must list `{scoped_name.name}` once per measurement at most"
                 raise BadArgument("parameters", f"{rule}, got both {both_scopes}")
+    for own_dependence in np.unique(depends_on, axis=0):
+        check_disjoint([name for _, name in compress(scoped_names, own_dependence)], "parameters")

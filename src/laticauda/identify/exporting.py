@@ -6,13 +6,13 @@ of a single measurement (such as where it began) belong to its measurements alon
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any, cast
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 
 import laticauda as lc
 from laticauda.identify.problem import Problem
-from laticauda.identify.resolving import with_tied
+from laticauda.identify.resolving import is_of_gait, with_tied
 from laticauda.identify.unknowns import NUISANCE
 from laticauda.models.simulate import change_parameters
 from laticauda.models.simulate.numbers import list_parameters
@@ -44,7 +44,17 @@ def applied(problem: Problem, values: Values, scenario: lc.Scenario, gait_kind: 
 
 
 def as_parameters(problem: Problem, values: Values, name: str, title: str) -> lc.Parameters:
-    """Return the identified values as a parameter file; see `Fit.parameters`."""
+    """Return the identified values as a parameter file, without those of `list_beyond_parameter_file`.
+
+    Args:
+        problem: Problem that was fitted.
+        values: Identified values, by the names of the unknowns.
+        name: Name of the parameters in files and stored trials.
+        title: Text for legends.
+
+    Raises:
+        ValueError: If the measurements were not made in water.
+    """
     waters = _waters_by_gait(problem)
     first_water = problem.scenarios[0].environment
     if not isinstance(first_water, lc.Water):
@@ -124,26 +134,65 @@ def _values_of_scope(problem: Problem, values: Values, scope: str) -> dict[str, 
 
 
 def _robot_changes(problem: Problem, values: Values, gait_kind: str) -> Changes:
-    """Return the changes to the robot that a parameter file can hold.
-
-    Raises:
-        ValueError: If a number of the robot was identified that it cannot hold.
-    """
+    """Return the changes to the robot that a parameter file can hold."""
     changes: Changes = {}
     for name, value in _values_for_gait(problem, values, gait_kind).items():
-        if not name.startswith("robot."):
-            continue
-        path, _, field_name = name.rpartition(".")
-        table = path.removeprefix("robot.").removeprefix("joint.")
-        if not _can_hold(table, field_name):
-            rule = f"must be numbers that a parameter file can hold, got `{name}`"
-            raise BadArgument("parameters", f"{rule}; `Fit.robot` returns a robot with it")
-        changes.setdefault(table, {})[field_name] = value
+        place = _place_in_file(name)
+        if name.startswith("robot.") and _can_hold(place):
+            changes.setdefault(place.table, {})[place.field_name] = value
     return changes
 
 
-def _can_hold(table: str, field_name: str) -> bool:
+def list_beyond_parameter_file(problem: Problem) -> tuple[str, ...]:
+    """Return the identified numbers of robot and gait that a parameter file cannot hold, by name without scope.
+
+    It has tables for all joints, the fin and the robot as a whole, and none for single parts.
+
+    Args:
+        problem: Problem that was fitted.
+    """
+    names: dict[str, None] = {}
+    for unknown in problem.unknowns:
+        if unknown.scope not in (_EVERY_GAIT, *GAITS):
+            continue
+        for name in (unknown.parameter.name, *unknown.tied):
+            is_of_robot = name.startswith("robot.")
+            if is_of_gait(name) or (is_of_robot and not _can_hold(_place_in_file(name))):
+                names[name] = None
+    return tuple(names)
+
+
+def check_parameter_file_holds(problem: Problem) -> None:
+    """Reject identified numbers that a parameter file cannot hold.
+
+    Args:
+        problem: Problem that was fitted.
+
+    Raises:
+        ValueError: If there are some.
+    """
+    for name in list_beyond_parameter_file(problem):
+        rule = f"must be numbers that a parameter file can hold, got `{name}`"
+        holder = "`Fit.robot` returns a robot with it"
+        if is_of_gait(name):
+            holder = "the gait of `first_scenario` has it"
+        raise BadArgument("parameters", f"{rule}; {holder}")
+
+
+class _Place(NamedTuple):
+    """Where a number of the robot stands in a parameter file, if it can hold it."""
+
+    table: str
+    field_name: str
+
+
+def _place_in_file(name: str) -> _Place:
+    path, _, field_name = name.rpartition(".")
+    return _Place(path.removeprefix("robot.").removeprefix("joint."), field_name)
+
+
+def _can_hold(place: _Place) -> bool:
     """Return whether a parameter file can hold a number of the robot."""
-    if table not in NAMES or field_name.endswith(("_x", "_y")):
+    if place.table not in NAMES or place.field_name.endswith(("_x", "_y")):
         return False
-    return table != "robot" or field_name in FIELDS_OF_ROBOT
+    return place.table != "robot" or place.field_name in FIELDS_OF_ROBOT

@@ -17,7 +17,7 @@ from laticauda.identify.unknowns import (
     name_field,
 )
 from laticauda.models.simulate import Parameter, change_parameters, suggest_names, value_of
-from laticauda.models.simulate.numbers import list_parameters
+from laticauda.models.simulate.numbers import ScenarioParameters, list_parameters
 from laticauda.scenarios import Scenario
 from laticauda.values import BadArgument, suggest_nearest
 
@@ -87,9 +87,12 @@ def split_name(
 
 def _refuse_name(name: str, numbers: Sequence[Mapping[str, Parameter]], whose: str) -> NoReturn:
     all_numbers: dict[str, Parameter] = {}
+    hint = ""
     for of_measurement in numbers:
         all_numbers |= of_measurement
-    hint = suggest_names(name, all_numbers) or suggest_nearest(name, tuple(NUISANCE))
+        if isinstance(of_measurement, ScenarioParameters):
+            hint = hint or of_measurement.explain_items(name)
+    hint = hint or suggest_names(name, all_numbers) or suggest_nearest(name, tuple(NUISANCE))
     raise BadArgument("parameters", f"must name numbers {whose}, got {name!r}{hint}")
 
 

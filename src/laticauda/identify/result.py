@@ -9,7 +9,12 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.identify.doubt import Doubt
-from laticauda.identify.exporting import applied, as_parameters
+from laticauda.identify.exporting import (
+    applied,
+    as_parameters,
+    check_parameter_file_holds,
+    list_beyond_parameter_file,
+)
 from laticauda.identify.identifiability import Identifiability
 from laticauda.identify.local_search import LocalSearch
 from laticauda.identify.method import Method
@@ -269,6 +274,11 @@ class Fit:
         changed = replace(self.problem.scenarios[0], environment=water)
         return cast(Water, applied(self.problem, self.values, changed, gait_kind).environment)
 
+    @property
+    def beyond_parameter_file(self) -> tuple[str, ...]:
+        """Identified numbers of single parts of robot and gait, which a parameter file cannot hold."""
+        return list_beyond_parameter_file(self.problem)
+
     def parameters(self, name: str, title: str) -> Parameters:
         """Return the identified values as a parameter file.
 
@@ -283,6 +293,7 @@ class Fit:
             ValueError: If the measurements were not made in water, or a parameter file cannot hold
                 an identified value.
         """
+        check_parameter_file_holds(self.problem)
         return as_parameters(self.problem, self.values, name, title)
 
 

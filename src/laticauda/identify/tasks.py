@@ -41,6 +41,7 @@ from typing import Any, cast
 
 import laticauda as lc
 from laticauda import scenarios
+from laticauda.identify.exporting import as_parameters
 from laticauda.identify.fitting import Keep, fit
 from laticauda.identify.measurements import Measurement
 from laticauda.identify.method import Method
@@ -131,6 +132,8 @@ class Task:
     """Arguments of `fit`."""
     sources: tuple[Path, ...] = ()
     """Files that it was read from."""
+    file: Path | None = None
+    """Its own file, which errors name; None: it has none."""
 
     def run(
         self,
@@ -164,10 +167,9 @@ class Task:
         try:
             return fit(self.measurements, self.robot, parameters=self.unknowns, **arguments)
         except BadArgument as error:
-            is_from_file = bool(self.sources) and error.name != "threads"
-            if not is_from_file:
+            if self.file is None or error.name == "threads":
                 raise
-            raise RobotFileError(f"{self.sources[0]}: key `{error.name}`: {error.rule}") from None
+            raise RobotFileError(f"{self.file}: key `{error.name}`: {error.rule}") from None
 
     def without_rivals(self) -> "Task":
         """Return the task for a fit whose doubt nobody reads: no other laws are tried."""
@@ -197,12 +199,14 @@ class Task:
         )
 
     def parameters(self, fit: Fit) -> lc.Parameters:
-        """Return the identified and the fixed values as one parameter file.
+        """Return the identified and the fixed values as one parameter file, as far as it can hold them.
+
+        `Fit.beyond_parameter_file` names those that are left out.
 
         Args:
             fit: Fit from `run`.
         """
-        identified = fit.parameters(self.name, self.title)
+        identified = as_parameters(fit.problem, fit.values, self.name, self.title)
         if self.base is None:
             return identified
         return replace(
@@ -268,7 +272,7 @@ def load_task(path: str | Path) -> Task:
     with codec.keys_of(file, RobotFileError):
         task = task_from_table(table, file.stem, file.parent)
         _check_options(task.options)
-    return replace(task, sources=(file, *task.sources))
+    return replace(task, file=file, sources=(file, *task.sources))
 
 
 def _check_options(options: Mapping[str, Any]) -> None:

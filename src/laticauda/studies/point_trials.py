@@ -183,12 +183,24 @@ def _check_point(scenario: lc.Scenario, values: Mapping[str, float], argument: s
         n_links = lc.build_plant(changed_scenario).robot.planar().n_links
         changed_scenario.gait.joint_envelope(n_links)
     except ValueError as error:
-        listed = ", ".join(f"{name} = {value:g}" for name, value in values.items())
+        refused = _list_refused_alone(scenario, values) or values
+        listed = ", ".join(f"{name} = {value:g}" for name, value in refused.items())
         reason = str(error).replace("`", "")  # these are no arguments of the caller
         raise BadArgument(
             argument,
             f"must be within the bounds of the parameters, got {listed}: {reason.removesuffix('.')}",
         ) from error
+
+
+def _list_refused_alone(scenario: lc.Scenario, values: Mapping[str, float]) -> dict[str, float]:
+    """Return the values that are out of range whatever the others are, by name."""
+    refused: dict[str, float] = {}
+    for name, value in values.items():
+        try:
+            change_parameters(scenario, {name: value})
+        except ValueError:
+            refused[name] = value
+    return refused
 
 
 def swim_points(

@@ -58,12 +58,33 @@ def test_what_is_no_part_has_no_name(name: str):
 
 
 def test_a_part_that_is_not_there_is_refused_with_how_parts_count():
-    rule = r"items of `robot.module.mass` count from 0 at the tail, such as \[3\] or \[:5\]"
-    with pytest.raises(ValueError, match=rule):
-        look_up(f"robot.module[{N}].mass", KNOWN)
+    of_modules = (
+        r"`robot\.module` counts from \[0\] at the tail to \[8\], or in ranges such as \[:9\]"
+    )
+    for brackets in (f"[{N}]", "[-1]", "[a]", "[5:3]"):
+        with pytest.raises(ValueError, match=of_modules):
+            look_up(f"robot.module{brackets}.mass", KNOWN)
+    for name in ("gait.phase[8]", "gait.amplitude[-1]", "robot.joint[20].limit"):
+        with pytest.raises(ValueError, match=r"counts from \[0\] at the tail to \[7\]"):
+            look_up(name, KNOWN)
+        with pytest.raises(ValueError, match=r"counts from \[0\] at the tail to \[7\]"):
+            parse_grid([f"{name}-deg=10"], KNOWN)
     few_links = {"robot.n_links": 4, "robot.module[7].mass": 1.0}
     with pytest.raises(ValueError, match=r"no `module\[7\]`: modules are 4"):
         change_parameters(SCENARIO, few_links)
+
+
+@pytest.mark.parametrize(
+    ("name", "plain"),
+    [
+        ("gait.frequency[2]", "gait.frequency"),
+        ("robot.module[3].section[0].half_width", "robot.module.section"),
+        ("robot[0].module.mass", "robot"),
+    ],
+)
+def test_brackets_after_what_is_one_thing_are_refused(name: str, plain: str):
+    with pytest.raises(ValueError, match=rf"; `{plain}` has no brackets"):
+        look_up(name, KNOWN)
 
 
 @pytest.mark.parametrize(
@@ -93,6 +114,14 @@ def test_two_names_of_one_number_are_refused_in_sweeps():
         scenario=SCENARIO,
         points=Grid(values={"robot.module[:4].mass": [0.8], "robot.module[4:].mass": [0.8]}),
     )
+
+
+def test_of_many_bounds_the_one_out_of_its_range_is_named():
+    bounds = {f"robot.module[{i}].length": (0.1, 0.2) for i in range(N)}
+    bounds["robot.module[3].mass"] = (-0.8, 0.9)
+    rule = r"got robot\.module\[3\]\.mass = -0\.8: mass must be > 0 kg, got -0\.8"
+    with pytest.raises(ValueError, match=rule):
+        Optimization(scenario=SCENARIO, bounds=bounds, objectives=("forward_velocity",))
 
 
 def test_options_name_parts_in_units_of_people_or_in_si():

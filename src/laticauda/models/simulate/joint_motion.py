@@ -37,7 +37,7 @@ def list_values(gait: Gait, step: str, robot: Robot) -> list[float]:
         step: Step for which `is_of_joints` holds.
         robot: Robot that has the joints.
     """
-    n_links = _count_yaw_links(robot)
+    n_links = count_joints(robot) + 1
     if strip_items(step) == "phase":
         values = list(gait.joint_phases(n_links))
     else:
@@ -56,7 +56,7 @@ def change_joints(gait: Gait, changes: Mapping[str, float], robot: Robot) -> Gai
     Raises:
         ValueError: If there is no such joint, or the gait has no amplitude.
     """
-    n_links = _count_yaw_links(robot)
+    n_links = count_joints(robot) + 1
     shares = list(gait.joint_envelope(n_links))
     phases = list(gait.joint_phases(n_links))
     for step, value in changes.items():
@@ -84,5 +84,10 @@ def _share_of(amplitude: float, gait: Gait) -> float:
     return amplitude / gait.amplitude
 
 
-def _count_yaw_links(robot: Robot) -> int:
-    return 1 + sum(joint.axis == "yaw" for joint in robot.joints)
+def count_joints(robot: Robot) -> int:
+    """Return the number of joints that a gait moves: those that yaw.
+
+    Args:
+        robot: Robot that has the joints.
+    """
+    return sum(joint.axis == "yaw" for joint in robot.joints)

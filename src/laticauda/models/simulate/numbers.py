@@ -165,9 +165,14 @@ class ScenarioParameters(Mapping[str, Parameter]):
             numbers = " or ".join(tapers.TITLES)
             return f"; a taper is `robot.taper.`, then {quantities}, then .{numbers}"
         plain = strip_items(name)
-        if plain == name or self._find_listed(plain) is None:
+        if plain == name:
             return ""
-        return f"; items of `{plain}` count from 0 at the tail, such as [3] or [:5], as far as there are some"
+        prefix, _, last = name.rpartition(".")
+        if prefix == "gait" and strip_items(last) in joint_motion.TITLES:
+            return _explain_count(plain, joint_motion.count_joints(self._scenario.robot))
+        if self._find_listed(plain) is None:
+            return ""
+        return _explain_brackets(self._scenario, name)
 
 
 def list_parameters(scenario: Scenario, *, each: bool = False) -> ScenarioParameters:
@@ -217,6 +222,43 @@ def _numbers_of_robot(robot: Robot, *, each: bool) -> Iterator[Parameter]:
         for field, step in SINGULARS.items():
             for i, item in enumerate(getattr(robot, field)):
                 yield from _numbers_in(item, f"robot.{step}[{i}]")
+
+
+def _explain_brackets(scenario: Scenario, name: str) -> str:
+    """Return the end of a message about the first brackets in a name that select nothing.
+
+    Args:
+        scenario: The scenario.
+        name: Name that would be that of a number without its brackets.
+    """
+    root, *steps = name.split(".")
+    plain_path = strip_items(root)
+    if plain_path != root:
+        return _explain_count(plain_path, 0)
+    owner = _root_object(scenario, root)
+    for step in steps:
+        plain_step = strip_items(step)
+        plain_path += f".{plain_step}"
+        field = PLURALS.get(plain_step, "")
+        items: Sequence[Any] = getattr(owner, field, ())
+        selected = items_of(step)
+        selects_nothing = selected is None or not items[selected]
+        if step != plain_step and selects_nothing:
+            return _explain_count(plain_path, len(items))
+        owner = find_objects(owner, plain_step)[0]
+    return ""
+
+
+def _explain_count(name: str, n_items: int) -> str:
+    """Return the end of a message about brackets after a name that select nothing.
+
+    Args:
+        name: Name before the brackets.
+        n_items: Number of items that it has; 0: it has none.
+    """
+    if not n_items:
+        return f"; `{name}` has no brackets"
+    return f"; `{name}` counts from [0] at the tail to [{n_items - 1}], or in ranges such as [:{n_items}]"
 
 
 def _find_of_parts(scenario: Scenario, name: object) -> Parameter | None:

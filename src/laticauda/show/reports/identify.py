@@ -17,10 +17,13 @@ from laticauda.identify import (
     list_assumptions,
     with_checksum,
 )
+from laticauda.robot import to_toml
 from laticauda.show.reports.chapter import Chapter, make_writable_folder, write_chapter
 from laticauda.show.reports.identify_tables import list_identification_tables
 from laticauda.values import BadArgument, extensions, packaging, to_json, to_plain, write
 
+ROBOT_FILE = "robot.toml"
+"""Name of the robot's file, where a parameter file does not do."""
 DIGEST_DIGITS = 16
 """Hexadecimal digits of a file's SHA-256 that are shown [-]."""
 
@@ -29,6 +32,8 @@ def write_identification(
     validated: Validation, folder: str | Path, *, command: str = ""
 ) -> list[str]:
     """Write parameters.toml, scenario.toml, fit.json, tables, figures and identify.html.
+
+    If the robot has identified numbers that a parameter file cannot hold, its file is written, too.
 
     Args:
         validated: Validated result of the identification.
@@ -46,14 +51,26 @@ def write_identification(
     parameters = validated.task.parameters(validated.fit)
     parameters.save(output_folder / "parameters.toml")
     fit = validated.fit
-    scenarios.save_scenario(first_scenario(fit), output_folder / SCENARIO_FILE)
+    first_trial = first_scenario(fit)
+    scenarios.save_scenario(first_trial, output_folder / SCENARIO_FILE)
+    further_files: list[str] = []
+    if any(name.startswith("robot.") for name in fit.beyond_parameter_file):
+        write(output_folder / ROBOT_FILE, to_toml(first_trial.robot))
+        further_files.append(ROBOT_FILE)
     results = describe_identification(validated, command)
     results[KEY_OF_BASIS] = _describe_basis(validated)
     write(output_folder / "fit.json", to_json(with_checksum(results)) + "\n")
     chapter = build_identification_chapter(validated, command)
     file_names, html = write_chapter(chapter, output_folder)
     write(output_folder / "identify.html", html)
-    return ["identify.html", "parameters.toml", "fit.json", SCENARIO_FILE, *file_names]
+    return [
+        "identify.html",
+        "parameters.toml",
+        "fit.json",
+        SCENARIO_FILE,
+        *further_files,
+        *file_names,
+    ]
 
 
 def build_identification_chapter(validated: Validation, command: str = "") -> Chapter:
