@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from chains import FORMS, random_robot, random_water
-from hypothesis import given, settings, strategies as st
+from hypothesis import example, given, settings, strategies as st
 
 import laticauda as lc
 from laticauda.compiling.lane_types import split
@@ -61,6 +61,23 @@ def assert_close(actual: np.ndarray, expected: np.ndarray, tolerance: float = TO
     np.testing.assert_allclose(actual, expected, rtol=0.0, atol=tolerance * scale)
 
 
+def size_of_torques(general: np.ndarray, joints: np.ndarray) -> np.ndarray:
+    """Return by what the torques of joints are rounded: the sizes of the moments that they are the sum of.
+
+    Inertia of all bodies ahead and the loads on them may all but balance each other, and what is left be
+    smaller than the rounding of either.
+    """
+    size = np.abs(general[joints + rows.P0])
+    for inertia, acceleration in (
+        (rows.A00, rows.LINK_ACCELERATION),
+        (rows.A01, rows.QX),
+        (rows.A02, rows.QY),
+    ):
+        size = size + np.abs(general[joints + inertia] * general[joints + acceleration])
+    return size
+
+
+@example(seed=26014803, form="classic", is_total=True, is_still=False)
 @settings(max_examples=60, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.sampled_from(FORMS), st.booleans(), st.booleans())
 def test_an_evaluation_gives_what_the_general_recursion_gives(seed, form, is_total, is_still):
@@ -83,9 +100,12 @@ def test_an_evaluation_gives_what_the_general_recursion_gives(seed, form, is_tot
     assert_close(own[rows.AX : rows.AY + 1], general[rows.AX : rows.AY + 1])
     joints = rows.HEADER_ROWS + rows.BODY_ROWS * np.arange(1, plant.layout.n_bodies)
     if joints.size:
-        assert_close(own[joints + rows.TORQUE], general[joints + rows.TORQUE])
-    powers = slice(rows.POWER_ABSOLUTE, rows.POWER_ELECTRICAL + 1)
-    assert_close(own[powers], general[powers])
+        size = size_of_torques(general, joints)
+        torque_difference = own[joints + rows.TORQUE] - general[joints + rows.TORQUE]
+        assert np.abs(torque_difference).max() <= TOLERANCE * size.max()
+        powers = slice(rows.POWER_ABSOLUTE, rows.POWER_ELECTRICAL + 1)
+        largest_power = np.sum(size * np.abs(general[joints + rows.RATE]))
+        assert np.abs(own[powers] - general[powers]).max() <= TOLERANCE * largest_power
 
 
 @pytest.mark.parametrize("current", [(0.0, 0.0), (0.1, -0.05)])
