@@ -8,6 +8,7 @@ in `laticauda.models.simulate.row_derivatives`.
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from operator import is_
 from typing import NamedTuple
 
 import numpy as np
@@ -92,7 +93,7 @@ class _DerivativeKey(NamedTuple):
     plant: int
     """`id` of the plant."""
     number: str
-    """Name of the number."""
+    """Name of the number; "" for all numbers."""
     recording: int
     """`id` of the recorded motion, whose knots are rows; that of None without one."""
     references: tuple[float, ...] | None
@@ -105,18 +106,33 @@ class _DerivativeKey(NamedTuple):
     """Commanded deflections, see `Command`."""
 
     @classmethod
-    def of(cls, run: batch.Run, number: Number) -> "_DerivativeKey":
-        """Return that of a run and a number."""
+    def of(cls, run: batch.Run, number: str = "") -> "_DerivativeKey":
+        """Return that of a run and the name of a number."""
         command = run.command
         return cls(
             plant=id(run.plant),
-            number=number.name,
+            number=number,
             recording=id(command.gait.recorded),
             references=command.references,
             enabled=command.enabled,
             thrusts=command.thrusts,
             deflections=command.deflections,
         )
+
+
+class _KeptList(NamedTuple):
+    """Derivatives to several numbers, and of what they are."""
+
+    key: _DerivativeKey
+    """What decides about them apart from the numbers."""
+    numbers: Sequence[Number]
+    """The numbers."""
+    derivatives: tuple[RowDerivative, ...]
+    """How each enters the runs."""
+
+    def is_of(self, numbers: Sequence[Number]) -> bool:
+        """Return whether some numbers are the very objects of these derivatives."""
+        return len(numbers) == len(self.numbers) and all(map(is_, numbers, self.numbers))
 
 
 class SharedWork:
@@ -129,8 +145,30 @@ class SharedWork:
 
     def __init__(self) -> None:
         self._derivatives: dict[_DerivativeKey, RowDerivative] = {}
+        self._last_list: _KeptList | None = None
+        """The derivatives that were asked for last: those of the next run are mostly the same."""
         self._plants: dict[int, model.PlanarPlant] = {}
         """Plants with extras, by the plant without."""
+
+    def derivatives_of(
+        self, run: batch.Run, numbers: Sequence[Number]
+    ) -> tuple[RowDerivative, ...]:
+        """Return how several numbers enter a run; the same object if the run before has them in common.
+
+        Args:
+            run: The run.
+            numbers: Numbers of its scenario.
+
+        Raises:
+            ValueError: If one of them cannot change to either side.
+        """
+        key = _DerivativeKey.of(run)
+        last = self._last_list
+        if last is not None and last.key == key and last.is_of(numbers):
+            return last.derivatives
+        derivatives = tuple(self.derivative_of(run, number) for number in numbers)
+        self._last_list = _KeptList(key=key, numbers=numbers, derivatives=derivatives)
+        return derivatives
 
     def derivative_of(self, run: batch.Run, number: Number) -> RowDerivative:
         """Return how a number enters a run.
@@ -144,7 +182,7 @@ class SharedWork:
         """
         if number.wave_parameter is not None and run.command.references is None:
             return differentiate_wave(run, number.wave_parameter)
-        key = _DerivativeKey.of(run, number)
+        key = _DerivativeKey.of(run, number.name)
         if key in self._derivatives:
             return self._derivatives[key]
         if number.is_of_motion:

@@ -83,15 +83,6 @@ class Gradient(NamedTuple):
         """Whether the run reached its end."""
         return self.status == REACHED_END
 
-    def along(self, change_of_rows: Float[np.ndarray, " n_rows"], change_of_weight: float) -> float:
-        """Return the derivative with respect to a number.
-
-        Args:
-            change_of_rows: Derivatives of the rows with respect to the number.
-            change_of_weight: Derivative of the weight with respect to it.
-        """
-        return float(self.rows @ change_of_rows + self.weight * change_of_weight)
-
 
 def compute_row_gradients(
     runs: Sequence[batch.Run],
@@ -163,7 +154,7 @@ def compute_jacobians(
     shared = SharedWork()
     sweeps = _Sweeps(shared)
     for run, numbers_of_run, figures_of_run in zip(runs, numbers, figures, strict=True):
-        changes = [shared.derivative_of(run, number) for number in numbers_of_run]
+        changes = shared.derivatives_of(run, numbers_of_run)
         sweeps.add(run, changes, figures_of_run)
     gradients = compute_row_gradients(
         sweeps.runs,
@@ -173,7 +164,13 @@ def compute_jacobians(
         threads=threads,
         progress=progress,
     )
-    return [task.combine(gradients) for task in sweeps.tasks]
+    changes_of_task: _Changes | None = None
+    jacobians: list[FigureJacobian] = []
+    for task in sweeps.tasks:
+        if changes_of_task is None or changes_of_task.sources is not task.changes:
+            changes_of_task = _Changes.of(task.changes)
+        jacobians.append(task.combine(gradients, changes_of_task))
+    return jacobians
 
 
 class FigureJacobian(NamedTuple):
@@ -197,12 +194,19 @@ class _Task(NamedTuple):
     n_figures: int
     """Number of figures, each with a sweep of its own."""
 
-    def combine(self, gradients: Sequence[Gradient]) -> FigureJacobian:
-        """Return the derivatives with respect to numbers from those with respect to rows."""
+    def combine(self, gradients: Sequence[Gradient], changes: "_Changes") -> FigureJacobian:
+        """Return the derivatives with respect to numbers from those with respect to rows.
+
+        Args:
+            gradients: The gradients of all sweeps.
+            changes: What `changes` of this task are, in arrays.
+        """
         jacobian = np.empty((self.n_figures, len(self.changes)))
-        for k, (change, first) in enumerate(zip(self.changes, self.sweep_of_change, strict=True)):
+        for first in dict.fromkeys(self.sweep_of_change):
+            columns = np.equal(self.sweep_of_change, first)
             for i in range(self.n_figures):
-                jacobian[i, k] = gradients[first + i].along(change.rows, change.weight)
+                along_all = changes.along(gradients[first + i])
+                jacobian[i, columns] = along_all[columns]
         first = self.sweep_of_change[0]
         own_gradients = gradients[first : first + self.n_figures]
         return FigureJacobian(
@@ -210,6 +214,34 @@ class _Task(NamedTuple):
             jacobian=jacobian,
             status=own_gradients[0].status,
         )
+
+
+class _Changes(NamedTuple):
+    """How some numbers enter a run, in arrays."""
+
+    sources: Sequence[RowDerivative]
+    """What the arrays are made of."""
+    rows: Float[np.ndarray, "n_numbers n_rows"]
+    """Derivatives of the rows."""
+    weight: Float[np.ndarray, " n_numbers"]
+    """Derivatives of the robot's weight."""
+
+    @classmethod
+    def of(cls, sources: Sequence[RowDerivative]) -> "_Changes":
+        """Return the arrays of some numbers."""
+        return cls(
+            sources=sources,
+            rows=np.stack([source.rows for source in sources]),
+            weight=np.array([source.weight for source in sources]),
+        )
+
+    def along(self, gradient: Gradient) -> Float[np.ndarray, " n_numbers"]:
+        """Return the derivatives of a figure with respect to the numbers.
+
+        Each is summed by itself, and does not depend on which others there are.
+        """
+        along_rows = np.einsum("kr,r->k", self.rows, gradient.rows)
+        return along_rows + gradient.weight * self.weight
 
 
 class _Sweeps:
@@ -289,7 +321,7 @@ class _Block:
                 bars[:, lane] = np.nan
             yield Gradient(
                 value=float(slopes.value[lane]),
-                rows=bars[:, lane],
+                rows=bars[:, lane].copy(),
                 weight=float(slopes.weight[lane]),
                 status=self._status(lane),
             )
