@@ -107,7 +107,7 @@ class Swim(ScenarioRun):
         """Run the robot and those of further scenario files in one scene."""
         scenarios = [self.scenario_to_run, *map(lc.load_scenario, self.beside)]
         bar = progress.run_bar(self.scenario_to_run.duration)
-        trial, *neighbors = lc.swim_together(scenarios, progress=bar)
+        trial, *neighbors = lc.swim_together(scenarios, link_forces=self.link_forces, progress=bar)
         texts = [f"\n\n{self.describe(neighbor)}" for neighbor in neighbors]
         return self.write_and_report(
             trial,

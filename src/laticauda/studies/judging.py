@@ -206,8 +206,8 @@ def _judge_loads(optimization: Optimization, trial: Trial) -> list[LimitUse]:
         load: float = getattr(trial, name)
         unit: str = getattr(Trial, name).unit
         description = f"{load:.3g} {unit} of at most {limit:g}"
-        words = name.replace("_", " ")
-        uses.append(LimitUse(limit=words, share=load / limit, description=description))
+        limit_name = name.replace("_", " ")
+        uses.append(LimitUse(limit=limit_name, share=load / limit, description=description))
     return uses
 
 

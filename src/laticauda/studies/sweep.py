@@ -25,7 +25,7 @@ PRESCRIBED_TRIAL_TIME = 0.35e-3
 """About what a trial of ten links and 30 s takes on one core if its joints are prescribed [s]."""
 DRIVEN_TRIAL_TIME = 5e-3
 """About what it takes if its joints are driven [s]."""
-LOADS_TIME = 3e-3
+LOADS_TIME = 1.5e-3
 """About what the loads of such a trial take besides [s]."""
 SMALLEST_REGION = 64
 """Number of points in a region at least, if its size is chosen by the cost of a trial."""

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import laticauda as lc
-from laticauda.robot import Thruster
+from laticauda.robot import Joint, Thruster
 from laticauda.scenarios import Controller, VectorController
 from laticauda.trials import LOAD_FIGURES
 from laticauda.trials.feasibility import find_settled_samples
@@ -21,6 +21,8 @@ MAMBA = lc.load_robot("mamba")
 HEAVIER = replace(
     MAMBA, modules=tuple(replace(module, mass=1.01 * module.mass) for module in MAMBA.modules)
 )
+MAMBA_FIN = lc.load_robot("mamba-fin")
+WITH_DRIVEN_FIN = replace(MAMBA_FIN, caudal_fin=replace(MAMBA_FIN.caudal_fin, joint=Joint()))
 WITH_THRUSTER = replace(
     MAMBA, thrusters=(Thruster(link=0, thrust=2.0, max_thrust=3.0, rise_time=0.2),)
 )
@@ -276,3 +278,30 @@ def test_a_trial_without_loads_has_no_figures_of_them_and_says_how_to_get_them()
     assert loaded.summary()["peak_bending_moment"] == loaded.peak_bending_moment
     figures = {row.figure.name: row.values for row in lc.compare(loaded, trial)}
     assert figures["rms_axial_force"] == (loaded.rms_axial_force, None)
+
+
+def test_robots_in_one_scene_bear_what_each_bears_alone_in_it():
+    def scenario(robot, y):
+        return scenario_of(
+            Turns(interval=0.25),
+            robot,
+            duration=0.5,
+            model="spatial",
+            scene="open",
+            start=lc.Start(center_of_mass=(0.0, y)),
+        )
+
+    scenarios = [scenario("mamba", 0.0), scenario(WITH_DRIVEN_FIN, 1.0), scenario(HEAVIER, 2.0)]
+    together = lc.swim_together(scenarios, link_forces=True)
+    for trial, one in zip(together, scenarios, strict=True):
+        alone = lc.swim(one, link_forces=True)
+        for name in SERIES:
+            expected = getattr(alone, name)
+            scale = np.abs(expected).max()
+            np.testing.assert_allclose(getattr(trial, name), expected, atol=1e-6 * scale)
+        assert trial.peak_bending_moment == pytest.approx(alone.peak_bending_moment, rel=1e-6)
+    of_fin = together[1].signals["fin_force_left"]
+    assert np.abs(of_fin).max() > 0.1
+    expected = lc.swim(scenarios[1], link_forces=True).signals["fin_force_left"]
+    np.testing.assert_allclose(of_fin, expected, atol=1e-6 * np.abs(of_fin).max())
+    assert lc.swim_together(scenarios[:2])[1].joint_force is None

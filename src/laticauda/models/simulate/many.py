@@ -155,8 +155,8 @@ def swim_many(
             the robot offers. It takes about as long again as the fastest trials themselves, and
             works on the cpu.
         load_figures: Whether to compute the figures of what joints carry as well, such as
-            `Swims.peak_bending_moment`. It takes several times as long as the fastest trials
-            themselves, or half as long again as trials with servos, and works on the cpu.
+            `Swims.peak_bending_moment`. It takes seven times as long as the fastest trials
+            themselves, half as long as trials with servos, and works on the cpu.
         link_forces: Whether to keep the force on every link and what every joint carries at all
             samples as well, as `Swims.loads`: about 1 MB for a trial of ten links and 30 s.
         progress: Called repeatedly with the completed share, from 0 to 1.
@@ -209,7 +209,7 @@ def swim_many(
     runs = runs_of(scenarios, steered=True)
     check_many(scenarios)
     first = scenarios[0]
-    kept = _KeptOfBlocks(len(runs), requested)
+    results_of_blocks = _KeptOfBlocks(len(runs), requested)
     result = run_mixed_batch(
         runs,
         first.duration,
@@ -217,11 +217,11 @@ def swim_many(
         threads=threads,
         progress=progress,
         device=device,
-        observe=kept.add if requested.needs_log else silent,
+        observe=results_of_blocks.add if requested.needs_log else silent,
         with_joints=requested.needs_log,
         with_loads=requested.load_figures,
     )
-    return _swims_of(result, kept.of_request(result.succeeded))
+    return _swims_of(result, results_of_blocks.of_request(result.succeeded))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,6 +7,7 @@ where they meet.
 import math
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from threading import Event, local
 from typing import Any, Generic, TypeVar, cast
 
@@ -120,7 +121,9 @@ class _ParallelRuns(Generic[Result]):
             raise _Abandoned
 
 
-def swim_together(scenarios: Sequence[Scenario], *, progress: Progress = silent) -> list[Trial]:
+def swim_together(
+    scenarios: Sequence[Scenario], *, link_forces: bool = False, progress: Progress = silent
+) -> list[Trial]:
     """Run several robots in one scene.
 
     All scenarios share one environment, one scene (`open` contains nothing else), one duration and
@@ -130,6 +133,7 @@ def swim_together(scenarios: Sequence[Scenario], *, progress: Progress = silent)
 
     Args:
         scenarios: One for each robot, with the spatial model.
+        link_forces: Whether to log the force on every link, and what every joint carries, as well.
         progress: Called repeatedly with the time reached [s].
 
     Returns:
@@ -158,9 +162,8 @@ def swim_together(scenarios: Sequence[Scenario], *, progress: Progress = silent)
     bodies = [cast(Any, plants.build_plant(scenario)) for scenario in scenarios]
     _check_same_scene(scenarios, bodies)
     together = Together(bodies)
-    return runner.run_all(
-        scenarios, bodies, together.march, check=together.check, progress=progress
-    )
+    march = partial(together.march, link_forces=link_forces)
+    return runner.run_all(scenarios, bodies, march, check=together.check, progress=progress)
 
 
 def _check_same_scene(scenarios: Sequence[Scenario], bodies: Sequence[Plant[Any]]) -> None:

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Float, Int
 
+from laticauda.models.dynamics.sampled_loads import SampledLoads
 from laticauda.values import DIRECTIONS
 
 N_AXES = len(DIRECTIONS)
@@ -29,24 +30,49 @@ class SensedLoads(NamedTuple):
     fin_moment: Float[np.ndarray, " 3"]
     """Moment in it [N m]."""
 
+    def write(
+        self, loads: SampledLoads, sample: int, link_force: Float[np.ndarray, "n_kinds n_links 3"]
+    ) -> None:
+        """Write the loads to a sample of a log.
+
+        Args:
+            loads: Loads of the log.
+            sample: Index of the sample.
+            link_force: Forces of every kind on every link, world axes [N].
+        """
+        loads.link_force[:, sample] = link_force
+        loads.joint_force[sample] = self.joint_force
+        loads.joint_moment[sample] = self.joint_moment
+        loads.water_force[sample] = self.water_force
+        loads.fin_force[sample] = self.fin_force
+        loads.fin_moment[sample] = self.fin_moment
+
 
 class LoadSensors:
-    """The sensors `force_i` and `torque_i` of a model, which are at the tail end of module i = 1, 2, ...
+    """The sensors `force_i` and `torque_i` of a robot, which are at the tail end of module i = 1, 2, ...
 
     Args:
         model: A `mujoco.MjModel` with sensors (`mjcf.build_spec`).
-        bodies: Bodies of the modules in it, tail first.
+        bodies: Bodies of the robot's modules in it, tail first.
+        prefix: Prefix of the robot's names in it.
         has_driven_fin: Whether it has such sensors at the joint of a fin.
     """
 
     def __init__(
-        self, model: Any, bodies: Int[np.ndarray, " n_links"], *, has_driven_fin: bool
+        self,
+        model: Any,
+        bodies: Int[np.ndarray, " n_links"],
+        *,
+        prefix: str,
+        has_driven_fin: bool,
     ) -> None:
         ahead = range(1, len(bodies))
         self._bodies = bodies
-        self._sites = np.array([model.site(f"module_{i}_tail").id for i in ahead], dtype=int)
-        self._forces = _columns(model, [f"force_{i}" for i in ahead])
-        self._torques = _columns(model, [f"torque_{i}" for i in ahead])
+        sites = [model.site(f"{prefix}module_{i}_tail").id for i in ahead]
+        self._sites = np.array(sites, dtype=int)
+        self._forces = _columns(model, [f"{prefix}force_{i}" for i in ahead])
+        self._torques = _columns(model, [f"{prefix}torque_{i}" for i in ahead])
+        self._prefix = prefix
         self._has_driven_fin = has_driven_fin
 
     def read(self, data: Any, of_water: Float[np.ndarray, "n_links 3"]) -> SensedLoads:
@@ -63,8 +89,8 @@ class LoadSensors:
         fin_moment = np.zeros(N_AXES)
         if self._has_driven_fin:
             # The fin is behind its parent, which is what the sensors tell the load of.
-            fin_force = -data.sensor("fin_force").data
-            fin_moment = -data.sensor("fin_torque").data
+            fin_force = -data.sensor(f"{self._prefix}fin_force").data
+            fin_moment = -data.sensor(f"{self._prefix}fin_torque").data
         return SensedLoads(
             joint_force=_turned(turn, data.sensordata[self._forces]),
             joint_moment=_turned(turn, data.sensordata[self._torques]),

@@ -377,12 +377,7 @@ class SpatialPlant(Plant[Spatial]):
             )
             forces = twin.forces()
             sensed = twin.loads(forces)
-        loads.link_force[:, sample] = forces
-        loads.joint_force[sample] = sensed.joint_force
-        loads.joint_moment[sample] = sensed.joint_moment
-        loads.water_force[sample] = sensed.water_force
-        loads.fin_force[sample] = sensed.fin_force
-        loads.fin_moment[sample] = sensed.fin_moment
+        sensed.write(loads, sample, forces)
         return logged
 
     def evaluate_loads(self, state: PlantState, command: Command) -> BodyLoads:

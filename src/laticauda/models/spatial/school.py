@@ -4,17 +4,19 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cached_property
 from typing import Any, NamedTuple, cast
 
 import numpy as np
 
 from laticauda.models.dynamics import school
+from laticauda.models.dynamics.sampled_loads import SampledLoads
 from laticauda.models.dynamics.samples import PlantState, Stretch
 from laticauda.models.dynamics.school import Currents
 from laticauda.models.spatial import rows
-from laticauda.models.spatial.model import SpatialPlant
+from laticauda.models.spatial.model import NO_STEP, SpatialPlant
 from laticauda.models.spatial.surroundings import check_free
-from laticauda.models.spatial.twin import Twin
+from laticauda.models.spatial.twin import KernelInputs, Twin
 from laticauda.motion.gaits import WaveState
 from laticauda.robot import has_power_model
 from laticauda.scenarios import Command, Observation, Start
@@ -133,8 +135,16 @@ class Together:
                 raise BadArgument(f"scenarios[{i}].robot", f"{rule} in one scene with others")
         self.plants = plants
         first = plants[0]
-        neighbors = [(plant.robot, plant.settings) for plant in plants[1:]]
-        self.twin = Twin(first.robot, first.environment, first.settings, neighbors)
+        self._neighbors = [(plant.robot, plant.settings) for plant in plants[1:]]
+        self.twin = Twin(first.robot, first.environment, first.settings, self._neighbors)
+
+    @cached_property
+    def _sensing_twin(self) -> Twin:
+        """The twin with sensors of what joints carry, which others do without."""
+        first = self.plants[0]
+        return Twin(
+            first.robot, first.environment, first.settings, self._neighbors, senses_loads=True
+        )
 
     def check(self, states: Sequence[PlantState]) -> None:
         """Raise a ValueError if robots penetrate one another, or another object, in the initial states."""
@@ -147,6 +157,8 @@ class Together:
         commands: Sequence[Command],
         duration: float,
         sample_interval: float,
+        *,
+        link_forces: bool = False,
     ) -> JointAdvance:
         """Advance by many steps at once; see `Plant.advance`.
 
@@ -155,18 +167,18 @@ class Together:
             commands: One command per robot, held throughout.
             duration: Duration [s].
             sample_interval: Interval between two samples of the logs [s].
+            link_forces: Whether to keep the force on every link, and what every joint carries, too.
         """
         n_intervals = max(1, round(duration / sample_interval))
         every = max(plant.steps_in(duration / n_intervals) for plant in self.plants)
-        vectors: list[np.ndarray] = []
+        dt = duration / n_intervals / every
+        vectors = self._start_vectors(states, commands)
         inputs = [plant._inputs(command) for plant, command in self._pair_with(commands)]
-        for (plant, command), state in zip(self._pair_with(commands), states, strict=True):
-            vectors.append(plant._start_values(state, command))
         samples = self.twin.run(
             vectors,
             inputs,
             steps=n_intervals * every,
-            dt=duration / n_intervals / every,
+            dt=dt,
             every=every,
             environment=self.plants[0].environment,
         )
@@ -185,7 +197,58 @@ class Together:
             self._pair_with(commands), states, vectors, strict=True
         ):
             ends.append(plant.state_after(state, command, end))
+        if link_forces:
+            first_vectors = self._start_vectors(states, commands)
+            loads = self._compute_loads(first_vectors, inputs, len(samples), every, dt)
+            stretches = [
+                stretch._replace(loads=loads_of_robot)
+                for stretch, loads_of_robot in zip(stretches, loads, strict=True)
+            ]
         return JointAdvance(ends, stretches, failure=None)
+
+    def _start_vectors(
+        self, states: Sequence[PlantState], commands: Sequence[Command]
+    ) -> list[np.ndarray]:
+        """Return the state vector of each robot with which a march begins."""
+        vectors: list[np.ndarray] = []
+        for (plant, command), state in zip(self._pair_with(commands), states, strict=True):
+            vectors.append(plant._start_values(state, command))
+        return vectors
+
+    def _compute_loads(
+        self,
+        vectors: list[np.ndarray],
+        inputs: list[KernelInputs],
+        n_samples: int,
+        every: int,
+        dt: float,
+    ) -> list[SampledLoads]:
+        """Return the loads of each robot, by repeating the march and evaluating them at each sample.
+
+        Args:
+            vectors: State vectors at its begin; they are changed.
+            inputs: What each robot is to do.
+            n_samples: Number of samples.
+            every: Number of steps between two of them.
+            dt: The step [s].
+        """
+        environment = self.plants[0].environment
+        loads = [
+            SampledLoads.zeros(n_samples=n_samples, n_links=plant.robot.n_links, n_axes=3)
+            for plant in self.plants
+        ]
+        sensing = self._sensing_twin
+        for sample in range(n_samples):
+            if sample > 0:
+                self.twin.run(
+                    vectors, inputs, steps=every, dt=dt, every=every, environment=environment
+                )
+            vectors_now = [vector.copy() for vector in vectors]
+            sensing.run(vectors_now, inputs, steps=0, dt=NO_STEP, every=1, environment=environment)
+            for robot, loads_of_robot in enumerate(loads):
+                forces = sensing.forces(robot)
+                sensing.loads(forces, robot).write(loads_of_robot, sample, forces)
+        return loads
 
     def _pair_with(self, commands: Sequence[Command]) -> list[tuple[SpatialPlant, Command]]:
         """Return the plants, each with its command."""

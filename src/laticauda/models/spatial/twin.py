@@ -74,7 +74,7 @@ class Twin:
         environment: Environment of the robots.
         setup: Model settings of the first robot, with the scene.
         neighbors: Further robots with their settings; names of the k-th begin with `robot_k_`.
-        senses_loads: Whether the first robot has sensors of what its joints carry.
+        senses_loads: Whether the robots have sensors of what their joints carry.
     """
 
     def __init__(
@@ -107,11 +107,17 @@ class Twin:
         """Where each robot's part of the arrays of all robots begins."""
         self.order = np.concatenate([located.bodies for located in robots])
         """Bodies of all robots, in the order of their links."""
-        self._load_sensors: LoadSensors | None = None
+        self._members = members
+        self._load_sensors: list[LoadSensors] = []
         if senses_loads:
-            self._load_sensors = LoadSensors(
-                self.model, self.order[: robot.n_links], has_driven_fin=0 in robot.fin_joints
-            )
+            for located in robots:
+                sensors = LoadSensors(
+                    self.model,
+                    np.array(located.bodies[: located.member.robot.n_links]),
+                    prefix=located.member.prefix,
+                    has_driven_fin=0 in located.member.robot.fin_joints,
+                )
+                self._load_sensors.append(sensors)
         self._masses = np.array([_masses_of(self.model, located) for located in robots])
         self._setups = np.array(
             [build_setup(self.model, self._data, located) for located in robots]
@@ -273,29 +279,39 @@ class Twin:
         mujoco.mj_comPos(self.model, data)
         return data
 
-    def forces(self) -> np.ndarray:
-        """Return forces on every link after the last run, (3, n_links, 3) [N]; the tail link's include the fin's."""
+    def forces(self, robot: int = 0) -> np.ndarray:
+        """Return forces on every link of a robot after the last run, (3, n_links, 3) [N].
+
+        The tail link's include the fin's.
+
+        Args:
+            robot: Index of the robot.
+        """
         loads = self.water.forces(self._data)
-        total = np.zeros((len(FORCES), self._n_links, 3))
-        for i, element in enumerate(self.elements_of_robots):
-            link = _link_of_body(str(element.body))
+        member = self._members[robot]
+        begin = self._ends_of_elements[robot - 1] if robot > 0 else 0
+        total = np.zeros((len(FORCES), member.robot.n_links, 3))
+        for i in range(begin, self._ends_of_elements[robot]):
+            body = str(self.water.elements[i].body)
+            link = _link_of_body(body.removeprefix(member.prefix))
             for k, name in enumerate(FORCES):
                 total[k, link] += loads[name][i]
         return total
 
-    def loads(self, forces: np.ndarray) -> SensedLoads:
-        """Return the loads of the first robot, right after `forces`.
+    def loads(self, forces: np.ndarray, robot: int = 0) -> SensedLoads:
+        """Return the loads of a robot, right after `forces`.
 
         Args:
             forces: What `forces` returned.
+            robot: Index of the robot.
 
         Raises:
             ValueError: If the twin was made without their sensors.
         """
-        if self._load_sensors is None:
+        if not self._load_sensors:
             raise BadArgument("senses_loads", "must be set when the twin is made")
         of_water = forces[FORCES_OF_WATER].sum(axis=0)
-        return self._load_sensors.read(self._data, of_water)
+        return self._load_sensors[robot].read(self._data, of_water)
 
     def _head_tip(self, data: Any) -> np.ndarray:
         """Return the position of the tip of the head [m]."""
@@ -363,7 +379,8 @@ def _compile_model(members: Sequence[Member], environment: Environment, *, senso
     with reporting_scene_errors():
         for k, member in enumerate(members[1:], 1):
             alone = replace(member.setup, scene=Scene())
-            mjcf.add_robot(spec, build_plant_spec(member.robot, environment, alone), k)
+            spec_of_robot = build_plant_spec(member.robot, environment, alone, sensors=sensors)
+            mjcf.add_robot(spec, spec_of_robot, k)
         model = water.compile_spec(spec)
     if first.setup.dt is not None:
         model.opt.timestep = first.setup.dt
