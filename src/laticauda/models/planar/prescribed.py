@@ -70,34 +70,16 @@ def compute_shape(S, n):
     arm_n = zero
     rate = zero
     acceleration = zero
-    turn = zero
-    turn_rate = zero
-    turn_acceleration = zero
-    mean_x = zero
-    mean_y = zero
-    mean_vx = zero
-    mean_vy = zero
-    mean_ax = zero
-    mean_ay = zero
-    a00 = zero
-    a01 = zero
-    a02 = zero
-    a11 = zero
-    a12 = zero
-    a22 = zero
+    turn = zero, zero, zero
+    mean = zero, zero, zero, zero, zero, zero
+    inertia = zero, zero, zero, zero, zero, zero
     for i in range(n):
         b = HEADER_ROWS + i * BODY_ROWS
         if i > 0:
-            bend = S[b + ANGLE]
-            bend_rate = S[b + RATE]
-            bend_acceleration = S[b + REFERENCE_2]
-            share = S[b + HEADING_SHARE]
-            turn += share * bend
-            turn_rate += share * bend_rate
-            turn_acceleration += share * bend_acceleration
-            rate += bend_rate
-            acceleration += bend_acceleration
-            joint_s, joint_c = sincos(bend)
+            turn = add_turn(turn, S, b)
+            rate += S[b + RATE]
+            acceleration += S[b + REFERENCE_2]
+            joint_s, joint_c = sincos(S[b + ANGLE])
             S[b + JOINT_COS] = joint_c
             S[b + JOINT_SIN] = joint_s
             c, s = c * joint_c - s * joint_s, s * joint_c + c * joint_s
@@ -107,42 +89,61 @@ def compute_shape(S, n):
         S[b + SHAPE_SIN] = s
         S[b + ARM_T] = arm_t
         S[b + ARM_N] = arm_n
-        mean_arm = S[b + MEAN_ARM]
-        swing = mean_arm * rate
-        along = swing * rate
-        across = mean_arm * acceleration
-        mean_x += mean_arm * c
-        mean_y += mean_arm * s
-        mean_vx -= swing * s
-        mean_vy += swing * c
-        mean_ax -= across * s
-        mean_ax -= along * c
-        mean_ay += across * c
-        mean_ay -= along * s
-        mass_t = S[b + MASS_T]
-        mass_n = S[b + MASS_N]
-        coupling = S[b + COUPLING]
-        of_rotation_t = -mass_t * arm_n
-        of_rotation_n = mass_n * arm_t + coupling
-        a00 += S[b + INERTIA] + coupling * arm_t
-        a00 += of_rotation_n * arm_t - of_rotation_t * arm_n
-        a01 += c * of_rotation_t - s * of_rotation_n
-        a02 += s * of_rotation_t + c * of_rotation_n
-        difference = (mass_n - mass_t) * s
-        a11 += mass_t + difference * s
-        a12 -= difference * c
-        a22 += mass_n - difference * s
-    S[TURN] = turn
-    S[TURN_RATE] = turn_rate
-    S[TURN_ACCELERATION] = turn_acceleration
-    S[MEAN_X] = mean_x
-    S[MEAN_Y] = mean_y
-    S[MEAN_VX] = mean_vx
-    S[MEAN_VY] = mean_vy
-    S[MEAN_AX] = mean_ax
-    S[MEAN_AY] = mean_ay
-    for k, number in enumerate((a00, a01, a02, a11, a12, a22)):
+        mean = add_to_center(mean, S[b + MEAN_ARM], c, s, rate, acceleration)
+        inertia = add_inertia(inertia, S, b, c, s, arm_t, arm_n)
+    for k, number in enumerate((*turn, *mean)):
+        S[TURN + k] = number
+    for k, number in enumerate(inertia):
         S[STIFF_INERTIA + k] = number
+
+
+@kernel
+def add_turn(turn, S, b):
+    """Return the mean angle of the links, its rate and acceleration, with what a joint adds to them."""
+    angle, rate, acceleration = turn
+    share = S[b + HEADING_SHARE]
+    angle += share * S[b + ANGLE]
+    rate += share * S[b + RATE]
+    acceleration += share * S[b + REFERENCE_2]
+    return angle, rate, acceleration
+
+
+@kernel
+def add_to_center(mean, arm, c, s, rate, acceleration):
+    """Return the rows from MEAN_X to MEAN_AY with what a body adds to them, which lies `arm` along its direction."""
+    x, y, v_x, v_y, a_x, a_y = mean
+    swing = arm * rate
+    along = swing * rate
+    across = arm * acceleration
+    x += arm * c
+    y += arm * s
+    v_x -= swing * s
+    v_y += swing * c
+    a_x -= across * s
+    a_x -= along * c
+    a_y += across * c
+    a_y -= along * s
+    return x, y, v_x, v_y, a_x, a_y
+
+
+@kernel
+def add_inertia(inertia, S, b, c, s, arm_t, arm_n):
+    """Return the inertia about the tail end of body 0 with that of a body, whose tail end lies `arm` from there."""
+    a00, a01, a02, a11, a12, a22 = inertia
+    mass_t = S[b + MASS_T]
+    mass_n = S[b + MASS_N]
+    coupling = S[b + COUPLING]
+    of_rotation_t = -mass_t * arm_n
+    of_rotation_n = mass_n * arm_t + coupling
+    a00 += S[b + INERTIA] + coupling * arm_t
+    a00 += of_rotation_n * arm_t - of_rotation_t * arm_n
+    a01 += c * of_rotation_t - s * of_rotation_n
+    a02 += s * of_rotation_t + c * of_rotation_n
+    difference = (mass_n - mass_t) * s
+    a11 += mass_t + difference * s
+    a12 -= difference * c
+    a22 += mass_n - difference * s
+    return a00, a01, a02, a11, a12, a22
 
 
 @kernel
@@ -150,11 +151,7 @@ def accelerations(S, n, is_still, keep_all):
     """Compute the accelerations of heading and center of mass; with `keep_all` also what `holding_torques` needs."""
     root_s, root_c = sincos(S[HEADING] - S[TURN])
     spin = S[HEADING_RATE] - S[TURN_RATE]
-    v_x, v_y = turned(root_c, root_s, S[VX] - S[CURRENT_X], S[VY] - S[CURRENT_Y])
-    v_t = v_x - S[MEAN_VX]
-    v_t += spin * S[MEAN_Y]
-    v_n = v_y - S[MEAN_VY]
-    v_n -= spin * S[MEAN_X]
+    v_t, v_n = velocity_of_last(S, root_c, root_s, spin)
     V_x, V_y = turned(root_c, root_s, S[CURRENT_X], S[CURRENT_Y])
     zero = zero_like(spin)
     rate = spin
@@ -175,21 +172,13 @@ def accelerations(S, n, is_still, keep_all):
         c = S[b + SHAPE_COS]
         s = S[b + SHAPE_SIN]
         if is_still:
-            f_t, f_n, moment = loads.still_velocity_terms(S, b, v_t, v_n, rate)
+            water = loads.still_velocity_terms(S, b, v_t, v_n, rate)
         else:
             V_t, V_n = turned(c, s, V_x, V_y)
-            f_t, f_n, moment = loads.uniform_velocity_terms(S, b, V_t, V_n, v_t, v_n, rate)
+            water = loads.uniform_velocity_terms(S, b, V_t, V_n, v_t, v_n, rate)
         x = S[b + CENTER + POSITION_OF]
-        velocity = v_t, v_n + x * rate, rate
-        drag_t, drag_n, drag_moment = loads.drag_at(S, b + CENTER, x, velocity)
-        coupling = S[b + COUPLING]
-        square = rate * rate
-        g_t = S[b + MASS_T] * a_t - S[b + CENTRIPETAL] * square
-        g_t -= f_t + drag_t
-        g_n = S[b + MASS_N] * a_n + coupling * acceleration
-        g_n -= f_n + drag_n
-        g = S[b + INERTIA] * acceleration + coupling * a_n
-        g -= moment + drag_moment
+        drag = loads.drag_at(S, b + CENTER, x, (v_t, v_n + x * rate, rate))
+        g, g_t, g_n = bias_of_body(S, b, a_t, a_n, acceleration, rate * rate, water, drag)
         if keep_all:
             S[b + P0] = g
             S[b + P1] = g_t
@@ -200,7 +189,7 @@ def accelerations(S, n, is_still, keep_all):
         p2 += s * g_t + c * g_n
         length = S[b + LENGTH]
         v_n += length * rate
-        a_t -= length * square
+        a_t -= length * (rate * rate)
         a_n += length * acceleration
     rotation, q_x, q_y = recursion.solved((*stiff_inertia(S), p0, p1, p2))
     if keep_all:
@@ -208,6 +197,50 @@ def accelerations(S, n, is_still, keep_all):
         S[HEADER_ROWS + QX] = q_x
         S[HEADER_ROWS + QY] = q_y
     S[HEADING_ACCELERATION] = rotation + S[TURN_ACCELERATION]
+    c_x, c_y = acceleration_of_center(S, rotation, q_x, q_y, spin)
+    S[AX], S[AY] = turned(root_c, -root_s, c_x, c_y)
+
+
+@kernel
+def velocity_of_last(S, root_c, root_s, spin):
+    """Return the velocity of the tail end of body 0, which turns with the rate `spin`, relative to the current."""
+    v_x, v_y = turned(root_c, root_s, S[VX] - S[CURRENT_X], S[VY] - S[CURRENT_Y])
+    v_t = v_x - S[MEAN_VX]
+    v_t += spin * S[MEAN_Y]
+    v_n = v_y - S[MEAN_VY]
+    v_n -= spin * S[MEAN_X]
+    return v_t, v_n
+
+
+@kernel
+def bias_of_body(S, b, a_t, a_n, acceleration, square, water, drag):
+    """Return what moment and force on a body would be if body 0 did not accelerate.
+
+    Args:
+        S: Rows.
+        b: First row of the body's record.
+        a_t: Acceleration of its tail end then, along it.
+        a_n: The same across it.
+        acceleration: Its angular acceleration then.
+        square: Square of its rate.
+        water: Load of the accelerated water at its velocity.
+        drag: Drag on it.
+    """
+    f_t, f_n, moment = water
+    drag_t, drag_n, drag_moment = drag
+    coupling = S[b + COUPLING]
+    g_t = S[b + MASS_T] * a_t - S[b + CENTRIPETAL] * square
+    g_t -= f_t + drag_t
+    g_n = S[b + MASS_N] * a_n + coupling * acceleration
+    g_n -= f_n + drag_n
+    g = S[b + INERTIA] * acceleration + coupling * a_n
+    g -= moment + drag_moment
+    return g, g_t, g_n
+
+
+@kernel
+def acceleration_of_center(S, rotation, q_x, q_y, spin):
+    """Return the acceleration of the center of mass from that of body 0, at its tail end."""
     square = spin * spin
     twice = 2.0 * spin
     c_x = q_x + S[MEAN_AX]
@@ -218,7 +251,7 @@ def accelerations(S, n, is_still, keep_all):
     c_y += rotation * S[MEAN_X]
     c_y -= square * S[MEAN_Y]
     c_y += twice * S[MEAN_VX]
-    S[AX], S[AY] = turned(root_c, -root_s, c_x, c_y)
+    return c_x, c_y
 
 
 @kernel
