@@ -231,6 +231,17 @@ def test_columns_bear_the_same(parts, monkeypatch):
     np.testing.assert_array_equal(figures.peak_axial_force, swims.peak_axial_force)
 
 
+def test_columns_of_a_steered_robot_bear_the_same():
+    scenario = scenario_of(Turns(), duration=1.0)
+    columns = {"water.normal_drag": [1.0, 2.0]}
+    swims = lc.swim_many(scenario, columns=columns, link_forces=True)
+    for i, drag in enumerate(columns["water.normal_drag"]):
+        water = replace(scenario.environment, normal_drag=drag)
+        trial = lc.swim(replace(scenario, environment=water), link_forces=True)
+        np.testing.assert_allclose(swims.loads[i].joint_force, trial.joint_force, atol=1e-12)
+        assert swims.peak_shear_force[i] == pytest.approx(trial.peak_shear_force, rel=1e-12)
+
+
 WILD = replace(GAITS[0], amplitude=1.0, frequency=30.0)
 
 
