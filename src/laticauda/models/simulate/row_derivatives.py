@@ -201,8 +201,11 @@ def _input_after(run: Run, number: Number, change: float) -> _RunInput:
     if number.start is not None:
         start = number.start(number.value + change)
     plant = _plant_after(run.plant, before=number.scenario, after=scenario)
-    # All else of the command stays: thrusts, held references, switched-off motors.
-    command = replace(run.command, gait=scenario.gait)
+    command = run.command
+    if scenario.gait is not number.scenario.gait:
+        # All else of the command stays: thrusts, held references, switched-off motors. Numbers that are
+        # not of the gait may be shared by runs with other gaits than that of their scenario.
+        command = replace(run.command, gait=scenario.gait)
     changed_run = replace(run, plant=plant, command=command, start=start)
     return _RunInput(
         rows=changed_run.rows,
