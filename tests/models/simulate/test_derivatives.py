@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 import laticauda as lc
-from laticauda.models.planar import reverse
+from laticauda.models.planar import reverse, rows
 from laticauda.models.simulate import (
     batch_scenarios,
     build_plant,
     compute_sensitivities,
     row_derivatives,
 )
-from laticauda.models.simulate.numbers import UNITS, change_parameters
+from laticauda.models.simulate.numbers import UNITS, change_parameters, value_of
 from laticauda.robot import Tether, load_robot, load_water
 from laticauda.scenarios import Command, OpenLoop
 from laticauda.water.fluid.laws import FunctionDrag, PolynomialDrag, TotalSpeedDrag
@@ -337,3 +337,33 @@ def test_runs_of_one_plant_with_held_references_do_not_follow_the_gait():
     )
     (alone,) = lc.swim_many([scenario]).heading
     np.testing.assert_array_equal(lc.swim_many([scenario, scenario]).heading, [alone, alone])
+
+
+@pytest.mark.parametrize(
+    ("robot", "name", "n_evaluations"),
+    [
+        ("mamba", "robot.module[3].normal_drag", 3),
+        ("mamba", "robot.module[3].mass", 6),
+        ("mamba-fin", "robot.module.mass", 8),
+    ],
+)
+def test_a_number_is_changed_no_more_often_than_its_formulas_need(robot, name, n_evaluations):
+    scenario = lc.build_scenario(robot, GAIT)
+    run = batch_scenarios.runs_of([scenario])[0]
+    values: list[float] = []
+
+    def change(value: float) -> lc.Scenario:
+        values.append(value)
+        return change_parameters(scenario, {name: value})
+
+    number = row_derivatives.Number(
+        name=name, scenario=scenario, value=value_of(name, scenario), change=change
+    )
+    rows_per_unit = row_derivatives.differentiate_rows(run, number, row_derivatives.CENTRAL).rows
+    assert len(values) == n_evaluations
+    if name == "robot.module[3].mass":
+        bodies = run.plant.layout.bodies_of(run.rows)
+        slopes = run.plant.layout.bodies_of(rows_per_unit)[:, rows.MASS_SHARE]
+        of_module = np.arange(len(bodies)) == 3
+        expected = (of_module - bodies[:, rows.MASS_SHARE]) / run.plant.robot.mass
+        np.testing.assert_allclose(slopes, expected, rtol=1e-13)

@@ -72,6 +72,13 @@ class Run:
         """Rows that are passed to the kernels."""
         return self.plant.rows(self.plant.init(self.start, self.command), self.command)
 
+    @property
+    def n_rows(self) -> int:
+        """Number of these rows."""
+        if self.command.gait.recorded is not None:
+            return self.rows.size
+        return self.plant.layout.template.size
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Block:

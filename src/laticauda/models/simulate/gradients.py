@@ -112,13 +112,14 @@ def compute_row_gradients(
     runs_of_figures = [runs[figure.run] for figure in figures]
     gradients: dict[int, Gradient] = {}
 
-    def sweep(members: list[int]) -> Iterator[tuple[int, Gradient]]:
+    def sweep(members: list[int]) -> list[tuple[int, Gradient]]:
         block = _Block(
             runs=[runs_of_figures[i] for i in members],
             figures=[figures[i].figure for i in members],
             time=np.linspace(0.0, duration, n_intervals + 1),
         )
-        return zip(members, block.sweep(duration, sample_interval), strict=True)
+        # A list: what is left to be computed when it is asked for would all be computed by one thread.
+        return list(zip(members, block.sweep(duration, sample_interval), strict=True))
 
     with ThreadPoolExecutor(threads or usable_cores()) as pool:
         for gradients_of_block in pool.map(sweep, _blocks(runs_of_figures, duration / n_intervals)):

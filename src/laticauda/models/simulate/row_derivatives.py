@@ -1,12 +1,12 @@
 """How a number enters a run: derivatives of everything from which the run's figures are computed.
 
 These are the rows that the kernels read, and the robot's weight. A number enters them by a few short
-formulas, whose slope is computed by eighth-order differences. They are exact for polynomials of
-that degree: to about 1e-13 for everything in a robot.
+formulas, whose slope is computed by differences of as high an order as they need, eighth at most:
+to about 1e-13 for everything in a robot.
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -34,10 +34,16 @@ CENTRAL: Weights = {
     -4: 1 / 280,
 }
 """Eighth order."""
-INNER_POINTS = (1, -1, 2, -2)
-"""Points of `CENTRAL` that are enough for numbers that enter by polynomials of second degree, which most do."""
+WIDE: Weights = {2: 1 / 4, -2: -1 / 4}
+"""Second order, enough for numbers that enter by polynomials of second degree, which most do."""
+FOURTH: Weights = {1: 2 / 3, -1: -2 / 3, 2: -1 / 12, -2: 1 / 12}
+"""Fourth order, to judge the sixth by."""
+SIXTH: Weights = {1: 3 / 4, -1: -3 / 4, 2: -3 / 20, -2: 3 / 20, 3: 1 / 60, -3: -1 / 60}
+"""Sixth order, enough for all numbers of most robots."""
 ROUNDING = 8.0 * 2.0**-52
-"""Share of a row by which two differences may differ for a polynomial of second degree, times the step [-]."""
+"""Share of a row to which a polynomial of second degree passes through its points [-]."""
+SIXTH_IS_ENOUGH = 1e-9
+"""Share of the derivative by which the fourth order may differ from the sixth, which then errs by 2e-13 [-]."""
 FORWARD: Weights = {0: -25 / 12, 1: 4.0, 2: -3.0, 3: 4 / 3, 4: -1 / 4}
 """Fourth order, for a number at the lower end of its range."""
 BACKWARD: Weights = {-point: -weight for point, weight in FORWARD.items()}
@@ -93,7 +99,7 @@ def differentiate_wave(run: Run, parameter: str) -> RowDerivative:
         parameter: One of `GAIT_PARAMETERS`.
     """
     place = GAIT_PARAMETERS.index(parameter)
-    changes = np.zeros(run.rows.size)
+    changes = np.zeros(run.n_rows)
     changes[COMMAND.start + place] = 1.0
     if place < len(FILTERED_COMMAND):
         # The run begins with the wave that is commanded.
@@ -150,38 +156,80 @@ def _difference(run: Run, number: Number, weights: Weights, step: float) -> RowD
     Raises:
         ValueError: If a value is out of the number's range.
     """
-    inputs: dict[int, _RunInput] = {}
+    points = _Points(run, number, step)
     if weights is CENTRAL:
-        for point in INNER_POINTS:
-            inputs[point] = _input_after(run, number, point * step)
-        if _have_rows_of(inputs, run):
-            derivative = _of_second_degree(inputs, step)
-            if derivative is not None:
-                return derivative
-    for point in weights:
-        if point not in inputs:
-            inputs[point] = _input_after(run, number, point * step)
-    if not _have_rows_of(inputs, run):
+        derivative = _of_low_order(points)
+        if derivative is not None:
+            return derivative
+    points.compute(weights)
+    if not points.have_rows_of_run:
         return None
-    return _weighted_sum(inputs, weights, step)
+    return _weighted_sum(points.inputs, weights, step)
 
 
-def _have_rows_of(inputs: Mapping[int, _RunInput], run: Run) -> bool:
-    n_rows = {run_input.rows.size for run_input in inputs.values()}
-    return n_rows == {run.rows.size}
+class _Points:
+    """What a run's figures are computed from at several values of a number, in steps from its own."""
+
+    def __init__(self, run: Run, number: Number, step: float) -> None:
+        self.run = run
+        self.number = number
+        self.step = step
+        self.inputs: dict[int, _RunInput] = {}
+        """At the points that were asked for."""
+
+    def compute(self, points: Iterable[int]) -> None:
+        """Compute the inputs at points where they are not known yet.
+
+        Raises:
+            ValueError: If a value is out of the number's range.
+        """
+        for point in points:
+            if point not in self.inputs:
+                self.inputs[point] = _input_after(self.run, self.number, point * self.step)
+
+    @property
+    def have_rows_of_run(self) -> bool:
+        """Whether there are as many rows at all points as at the number's own value."""
+        n_rows = {run_input.rows.size for run_input in self.inputs.values()}
+        return n_rows == {self.run.n_rows}
 
 
-def _of_second_degree(inputs: Mapping[int, _RunInput], step: float) -> RowDerivative | None:
-    """Return the derivative if two differences agree to rounding, as for polynomials of second degree; else None."""
-    near = _weighted_sum({1: inputs[1], -1: inputs[-1]}, {1: 0.5, -1: -0.5}, step)
-    far = _weighted_sum(inputs, {2: 0.25, -2: -0.25}, step)
-    size = np.maximum(np.abs(inputs[2].rows), np.abs(inputs[-2].rows))
-    size_of_weight = max(abs(inputs[2].weight), abs(inputs[-2].weight))
-    if np.any(np.abs(near.rows - far.rows) > ROUNDING / step * size):
+def _of_low_order(points: _Points) -> RowDerivative | None:
+    """Return the derivative if a difference of second or sixth order is right to rounding; else None."""
+    points.compute((1, 2, -2))
+    if not points.have_rows_of_run:
         return None
-    if abs(near.weight - far.weight) > ROUNDING / step * size_of_weight:
+    if _are_of_second_degree(points):
+        return _weighted_sum(points.inputs, WIDE, points.step)
+    points.compute(SIXTH)
+    if not points.have_rows_of_run:
         return None
-    return far
+    sixth = _weighted_sum(points.inputs, SIXTH, points.step)
+    fourth = _weighted_sum(points.inputs, FOURTH, points.step)
+    rounding = ROUNDING / points.step * _size_of(points)
+    allowed = SIXTH_IS_ENOUGH * np.abs(_numbers_of(sixth)) + rounding
+    if np.any(np.abs(_numbers_of(fourth) - _numbers_of(sixth)) > allowed):
+        return None
+    return sixth
+
+
+def _are_of_second_degree(points: _Points) -> bool:
+    """Return whether the polynomial of second degree through three points passes through a fourth, to rounding."""
+    own = _numbers_of(_input_of(points.run))
+    near, ahead, behind = (_numbers_of(points.inputs[point]) for point in (1, 2, -2))
+    expected = own + (ahead - behind) / 4.0 + (ahead + behind - 2.0 * own) / 8.0
+    return not np.any(np.abs(near - expected) > ROUNDING * _size_of(points))
+
+
+def _size_of(points: _Points) -> Float[np.ndarray, " n_numbers"]:
+    """Return the size of all numbers that are differentiated."""
+    ahead, behind = (np.abs(_numbers_of(points.inputs[point])) for point in (2, -2))
+    return np.maximum(ahead, behind)
+
+
+def _numbers_of(source: "_RunInput | RowDerivative") -> Float[np.ndarray, " n_numbers"]:
+    """Return the rows and the weight, or their derivatives, in one array."""
+    return np.append(source.rows, source.weight)
 
 
 def _weighted_sum(inputs: Mapping[int, _RunInput], weights: Weights, step: float) -> RowDerivative:
@@ -206,9 +254,14 @@ def _input_after(run: Run, number: Number, change: float) -> _RunInput:
         # All else of the command stays: thrusts, held references, switched-off motors. Numbers that are
         # not of the gait may be shared by runs with other gaits than that of their scenario.
         command = replace(run.command, gait=scenario.gait)
-    changed_run = replace(run, plant=plant, command=command, start=start)
+    return _input_of(replace(run, plant=plant, command=command, start=start))
+
+
+def _input_of(run: Run) -> _RunInput:
+    """Return what a run's figures are computed from."""
+    plant = run.plant
     return _RunInput(
-        rows=changed_run.rows,
+        rows=run.rows,
         weight=metrics.carried_weight(plant.robot, plant.environment),
         has_extras=plant.layout.has_extras,
     )

@@ -94,7 +94,7 @@ def compute_sensitivities(
 
     The derivatives are those of the kernels' results, at the time step of the trial, exact to
     rounding: the kernels carry each number with its derivative (a complex step). Trials and
-    parameters are computed side by side; each pair costs as much as three to four trials of a
+    parameters are computed side by side; each pair costs as much as two to three trials of a
     batch. For more than ten parameters, if they are more than twice as many as the `figures` and
     joints are prescribed, the trials are differentiated backward in time: each figure then costs as
     much as six trials, however many parameters there are. The results are the same to rounding.
