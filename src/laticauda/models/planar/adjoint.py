@@ -136,33 +136,18 @@ def pull_segment(
     generator_step = stepping.QUARTER * dt
     drives.set_decay(S, generator_step)
     drives.set_reference(S, n, law, tail_link)
-    # One loop over all stages, because a stage is compiled into every place that calls it.
     end = steps * RK5_STAGES
     if is_last:
         end += 1
-    for evaluation in range(end):
-        step, stage = evaluation // RK5_STAGES, evaluation % RK5_STAGES
-        if stage == 0:
-            for r in range(BASE_ROWS):
-                S[SAVED + r] = S[HEADING + r]
-        elif stage != SAME_TIME + 1:
-            drives.advance_reference(S, n, law, tail_link, generator_step)
-        if step < steps and is_first_of_moment(stage):
-            keep_moment(S, rows_of(moments[step, moment_of(stage)]))
-        kept = rows_of(stages[step, stage])
-        evaluate(S, n, first_strip, first_plate, law, tail_link, has_extras, kept)
-        if step < steps:
-            stepping.keep_slope(S, stage)
-            stepping.step_ahead(S, dt, WEIGHTS[stage], stage + 1)
+    chain = n, first_strip, first_plate, law, tail_link, has_extras
+    run_ahead(S, chain, end, steps, dt, stages, moments)
     for evaluation in range(end - 1, -1, -1):
         step, stage = evaluation // RK5_STAGES, evaluation % RK5_STAGES
         if stage == LAST_STAGE:
             begin_step(G, dt)
         elif step < steps and stage != SAME_TIME:
-            pull_references(S, G, n, law, tail_link)
-            read_moment(S, rows_of(moments[step, moment_of(stage)]))
-            pull_generator(S, G, law, tail_link, generator_step)
-            drives.set_reference(S, n, law, tail_link)
+            moment = rows_of(moments[step, moment_of(stage)])
+            go_back_to_moment(S, G, n, law, tail_link, generator_step, moment)
         run_step = first_step + step
         sample = rows_of(seeds[run_step // every])
         is_sample = stage == 0 and run_step % every == 0
@@ -171,16 +156,44 @@ def pull_segment(
             seed_powers(G, sample, is_sample, run_step, dt)
         begin_stage(G, stage)
         kept = rows_of(stages[step, stage])
-        pull_stage(
-            S, G, n, first_strip, first_plate, law, tail_link, has_extras, kept, stage, counts
-        )
+        pull_stage(S, G, *chain, kept, stage, counts)
         end_stage(G, dt, stage)
         if is_sample:
-            for r in range(BASE_ROWS):
-                G[HEADING + r] += sample[r]
+            seed_state(G, sample)
     if first_step == 0:
         pull_references(S, G, n, law, tail_link)
         G[BANDWIDTH] -= generator_step * S[DECAY] * G[DECAY]
+
+
+@kernel
+def run_ahead(S, chain, end, steps, dt, stages, moments):
+    """Run a segment, and keep what going back needs of its stages and moments, and of one stage more if the run ends.
+
+    One loop over all stages, because a stage is compiled into every place that calls it; so is the way back.
+    """
+    n, _, _, law, tail_link, _ = chain
+    for evaluation in range(end):
+        step, stage = evaluation // RK5_STAGES, evaluation % RK5_STAGES
+        if stage == 0:
+            for r in range(BASE_ROWS):
+                S[SAVED + r] = S[HEADING + r]
+        elif stage != SAME_TIME + 1:
+            drives.advance_reference(S, n, law, tail_link, stepping.QUARTER * dt)
+        if step < steps and is_first_of_moment(stage):
+            keep_moment(S, rows_of(moments[step, moment_of(stage)]))
+        evaluate(S, *chain, rows_of(stages[step, stage]))
+        if step < steps:
+            stepping.keep_slope(S, stage)
+            stepping.step_ahead(S, dt, WEIGHTS[stage], stage + 1)
+
+
+@kernel
+def go_back_to_moment(S, G, n, law, tail_link, generator_step, moment):
+    """Take the bars of the references back to a moment that was kept, and set the references of that moment."""
+    pull_references(S, G, n, law, tail_link)
+    read_moment(S, moment)
+    pull_generator(S, G, law, tail_link, generator_step)
+    drives.set_reference(S, n, law, tail_link)
 
 
 @kernel
@@ -276,6 +289,13 @@ def end_stage(G, dt, stage):
             G[SAVED + r] += bar
             for before in range(stage):
                 G[SLOPES + BASE_ROWS * before + r] += dt * WEIGHTS[stage - 1][before] * bar
+
+
+@kernel
+def seed_state(G, sample):
+    """Add the bars of a sample to those of the state."""
+    for r in range(BASE_ROWS):
+        G[HEADING + r] += sample[r]
 
 
 @kernel
