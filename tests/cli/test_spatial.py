@@ -72,7 +72,7 @@ def test_the_planar_model_refuses_a_second_wave(run):
     done = run("swim --pitch-offset-deg 2")
     assert done.status == 2
     assert (
-        "must be None unless `model` is `spatial`: the planar model has no pitch joints" in done.err
+        "must be None unless --model is `spatial`: the planar model has no pitch joints" in done.err
     )
 
 

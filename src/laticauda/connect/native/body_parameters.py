@@ -180,28 +180,38 @@ def build_link_table(plant: PlanarPlant, variables: Sequence[Variable]) -> LinkT
         variables: All variables; without parameters of modules, no link can be changed.
     """
     variable_numbers = {variable.name: number for number, variable in enumerate(variables)}
-    places = [0] * formulas.RECORDS
     if not any(name.startswith("robot.module[") for name in variable_numbers):
-        return LinkTable(places=places, numbers=[])
+        return LinkTable(places=[0] * formulas.RECORDS, numbers=[])
+    robot = plant.robot
     water = plant.environment
+    layout = plant.layout
     assert isinstance(water, lc.Water)
-    depth = math.inf if water.depth is None else water.depth
+    depth = water.depth
+    if depth is None:
+        depth = math.inf
     attached = _list_attached(plant)
-    places[formulas.N_LINKS] = plant.robot.n_links
-    places[formulas.FIRST_ROW] = first_row_of_body(plant.layout.tail_link)
-    places[formulas.N_BODIES] = plant.layout.n_bodies
-    places[formulas.DENSITY] = variable_numbers["water.density"]
-    places[formulas.TANGENTIAL] = variable_numbers["water.tangential_added_mass"]
-    places[formulas.IS_IN_STRIPS] = int(water.rotational == "strip")
-    places[formulas.IS_CLASSIC] = int(water.added_mass_form == "classic")
-    places[formulas.HAS_WAKE] = int(_is_wake_of_tail_module(plant.robot, water))
-    places[formulas.N_ATTACHED] = len(attached)
-    numbers = [plant.robot.mass, depth]
+    header = {
+        formulas.N_LINKS: robot.n_links,
+        formulas.FIRST_ROW: first_row_of_body(layout.tail_link),
+        formulas.N_BODIES: layout.n_bodies,
+        formulas.DENSITY: variable_numbers["water.density"],
+        formulas.TANGENTIAL: variable_numbers["water.tangential_added_mass"],
+        formulas.IS_IN_STRIPS: water.rotational == "strip",
+        formulas.IS_CLASSIC: water.added_mass_form == "classic",
+        formulas.HAS_WAKE: _is_wake_of_tail_module(robot, water),
+        formulas.NUMBERS: 0,
+        formulas.N_ATTACHED: len(attached),
+    }
+    places = [int(header[place]) for place in range(formulas.RECORDS)]
+    numbers = [robot.mass, depth]
     for record in _list_records(plant, water, variable_numbers):
-        places += [*record.variables, int(record.is_rod), len(numbers)]
+        places += record.variables
+        places.append(int(record.is_rod))
+        places.append(len(numbers))
         numbers += record.numbers
     for row in attached:
-        places += [row.link, row.row]
+        places.append(row.link)
+        places.append(row.row)
     return LinkTable(places=places, numbers=numbers)
 
 
@@ -292,13 +302,17 @@ def _list_attached(plant: PlanarPlant) -> list[_AttachedRow]:
     attached: list[_AttachedRow] = []
     for link in range(robot.n_links):
         body = layout.tail_link + link
-        # Behind those of a rigid fin, if the link has one.
-        n_areas = sum(area.link == link for area in robot.drag_areas)
+        # Strips of drag areas stand behind those of a rigid fin, if the link has one.
         last_strip = int(layout.first_strip[body + 1])
+        n_areas = sum(area.link == link for area in robot.drag_areas)
         for strip in range(last_strip - n_areas, last_strip):
-            row = first_strip_row + strip * rows.STRIP_ROWS + rows.POSITION_OF
-            attached.append(_AttachedRow(link=link, row=row))
-        for plate in range(layout.first_plate[body], layout.first_plate[body + 1]):
-            row = first_plate_row + plate * rows.PLATE_ROWS + rows.PLATE_X
-            attached.append(_AttachedRow(link=link, row=row))
+            strip_row = first_strip_row + strip * rows.STRIP_ROWS
+            position_row = strip_row + rows.POSITION_OF
+            attached.append(_AttachedRow(link, position_row))
+        first_plate = int(layout.first_plate[body])
+        last_plate = int(layout.first_plate[body + 1])
+        for plate in range(first_plate, last_plate):
+            plate_row = first_plate_row + plate * rows.PLATE_ROWS
+            position_row = plate_row + rows.PLATE_X
+            attached.append(_AttachedRow(link, position_row))
     return attached

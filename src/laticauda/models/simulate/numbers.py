@@ -98,12 +98,12 @@ class ScenarioParameters(Mapping[str, Parameter]):
     """
 
     def __init__(
-        self, scenario: Scenario, *, each: bool = False, others: Mapping[str, Parameter]
+        self, scenario: Scenario, *, lists_parts: bool = False, further: Mapping[str, Parameter]
     ) -> None:
         self._scenario = scenario
-        self._each = each
+        self._lists_parts = lists_parts
         """Whether the numbers of every single module and joint are listed."""
-        self._others = others
+        self._further = further
         """Parameters besides those of the scenario."""
         self._listed: dict[str, dict[str, Parameter]] = {}
         """Listed parameters by the first word of their names."""
@@ -127,30 +127,32 @@ class ScenarioParameters(Mapping[str, Parameter]):
         names: dict[str, None] = {}
         for root in _roots_of(self._scenario):
             names |= dict.fromkeys(self._list_of_root(root))
-        return iter(names | dict.fromkeys(self._others))
+        return iter(names | dict.fromkeys(self._further))
 
     def __len__(self) -> int:
         """Return the number of names that are listed."""
         return len(list(iter(self)))
 
-    def __or__(self, others: Mapping[str, Parameter]) -> "ScenarioParameters":
-        """Return these and others."""
-        all_others = {**self._others, **others}
-        return ScenarioParameters(self._scenario, each=self._each, others=all_others)
+    def __or__(self, further: Mapping[str, Parameter]) -> "ScenarioParameters":
+        """Return these and further ones."""
+        all_further = {**self._further, **further}
+        return ScenarioParameters(
+            self._scenario, lists_parts=self._lists_parts, further=all_further
+        )
 
     def _find_listed(self, name: object) -> Parameter | None:
         """Return a parameter that is listed; None if it is not."""
         if not isinstance(name, str):
             return None
-        if name in self._others:
-            return self._others[name]
+        if name in self._further:
+            return self._further[name]
         root = name.partition(".")[0]
         return self._list_of_root(root).get(name)
 
     def _list_of_root(self, root: str) -> dict[str, Parameter]:
         """Return the listed parameters whose names begin with a word."""
         if root not in self._listed:
-            parameters = _numbers_of_root(self._scenario, root, each=self._each)
+            parameters = _numbers_of_root(self._scenario, root, lists_parts=self._lists_parts)
             self._listed[root] = {parameter.name: parameter for parameter in parameters}
         return self._listed[root]
 
@@ -196,7 +198,7 @@ def list_parameters(scenario: Scenario, *, each: bool = False) -> ScenarioParame
         >>> "robot.module[3].mass" in known, "robot.module[30].mass" in known
         (True, False)
     """
-    return ScenarioParameters(scenario, each=each, others={})
+    return ScenarioParameters(scenario, lists_parts=each, further={})
 
 
 def _roots_of(scenario: Scenario) -> Sequence[str]:
@@ -204,21 +206,21 @@ def _roots_of(scenario: Scenario) -> Sequence[str]:
     return ("gait", environment_prefix(scenario.environment), "joints", "controller", "robot")
 
 
-def _numbers_of_root(scenario: Scenario, root: str, *, each: bool) -> Iterator[Parameter]:
+def _numbers_of_root(scenario: Scenario, root: str, *, lists_parts: bool) -> Iterator[Parameter]:
     """Yield the numbers of a scenario whose names begin with a word."""
     if root == "controller":
         yield from _numbers_of_controller(scenario.motion)
     elif root == "robot":
-        yield from _numbers_of_robot(scenario.robot, each=each)
+        yield from _numbers_of_robot(scenario.robot, lists_parts=lists_parts)
     elif root in _roots_of(scenario):
         yield from _numbers_in(_root_object(scenario, root), root)
 
 
-def _numbers_of_robot(robot: Robot, *, each: bool) -> Iterator[Parameter]:
+def _numbers_of_robot(robot: Robot, *, lists_parts: bool) -> Iterator[Parameter]:
     """Yield the numbers of a robot, and if asked for those of every single module and joint."""
     yield Parameter(name="robot.n_links", unit="", title="Number of links", is_whole=True)
     yield from _numbers_in(robot, "robot")
-    if each:
+    if lists_parts:
         for field, step in SINGULARS.items():
             for i, item in enumerate(getattr(robot, field)):
                 yield from _numbers_in(item, f"robot.{step}[{i}]")

@@ -269,34 +269,38 @@ class _NumbersByName:
         Raises:
             ValueError: If there is no parameter of a name, or it is a count.
         """
-        known = list_parameters(scenario)
+        parameters = list_parameters(scenario)
         holders = id(scenario.robot), id(scenario.environment), id(scenario.model)
         if holders not in self._shared:
             names = [name for name in self._names if name not in self._names_of_motion]
-            self._shared[holders] = {name: _find_number(scenario, name, known) for name in names}
+            self._shared[holders] = {
+                name: _find_number(scenario, name, parameters) for name in names
+            }
         numbers = self._shared[holders]
         if self._names_of_motion:
-            own = {name: _find_number(scenario, name, known) for name in self._names_of_motion}
-            numbers = numbers | own
+            numbers_of_motion = {
+                name: _find_number(scenario, name, parameters) for name in self._names_of_motion
+            }
+            numbers = numbers | numbers_of_motion
         return [numbers[name] for name in self._names]
 
     def find_parameters(self, scenario: Scenario) -> tuple[Parameter, ...]:
         """Return the parameters of a scenario, all of which it has."""
-        known = list_parameters(scenario)
-        return tuple(known[name] for name in self._names)
+        parameters = list_parameters(scenario)
+        return tuple(parameters[name] for name in self._names)
 
 
 ROOTS_OF_MOTION = ("gait.", "controller.")
 """How names begin of numbers that belong to the motion of a scenario."""
 
 
-def _find_number(scenario: Scenario, name: str, known: Mapping[str, Parameter]) -> Number:
+def _find_number(scenario: Scenario, name: str, parameters: Mapping[str, Parameter]) -> Number:
     """Return the number of a scenario that a name stands for.
 
     Raises:
         ValueError: If there is no parameter of that name, or it is a count.
     """
-    parameter = look_up(name, known, "names")
+    parameter = look_up(name, parameters, "names")
     if parameter.is_whole:
         rule = "must be of numbers that can vary slightly"
         raise BadArgument("names", f"{rule}, got `{parameter.name}`, a count")
