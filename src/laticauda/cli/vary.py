@@ -209,7 +209,8 @@ def _find_parameter(
     typed_names = [spell_parameter(parameter) for parameter in parameters.values()]
     hint = suggest_names(typed_name, typed_names)
     if isinstance(parameters, ScenarioParameters):
-        hint = parameters.explain_items(of_parts.name if of_parts else name) or hint
+        name_in_si = of_parts.name if of_parts else name
+        hint = parameters.explain_items(name_in_si) or hint
     rule = "must name a parameter of robot, gait or water"
     raise BadArgument("vary", f"{rule}, got {name!r}{hint} (--names lists all)")
 

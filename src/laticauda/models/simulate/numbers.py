@@ -169,8 +169,8 @@ class ScenarioParameters(Mapping[str, Parameter]):
         plain = strip_items(name)
         if plain == name:
             return ""
-        prefix, _, last = name.rpartition(".")
-        if prefix == "gait" and strip_items(last) in joint_motion.TITLES:
+        prefix, _, last_step = name.rpartition(".")
+        if prefix == "gait" and strip_items(last_step) in joint_motion.TITLES:
             return _explain_count(plain, joint_motion.count_joints(self._scenario.robot))
         if self._find_listed(plain) is None:
             return ""
