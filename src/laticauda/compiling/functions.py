@@ -50,6 +50,16 @@ COSINE = (
 
 The minimax polynomial C1 to C6 of `k_cos.c` in fdlibm (Sun Microsystems, 1993).
 """
+HYPERBOLIC_SINE = (21.0, 1260.0, 10395.0)
+"""Numerator of tanh(y) / y as a ratio of two polynomials of y^2, highest power first."""
+HYPERBOLIC_COSINE = (1.0, 210.0, 4725.0, 10395.0)
+"""Its denominator: the sixth convergent of Lambert's continued fraction, right to 1e-18 for |y| < ln 2 / 4."""
+TWO_PER_LN_2 = 2.8853900817779268
+"""2 / ln 2."""
+HALF_LN_2 = 0.34657359027997264
+"""ln 2 / 2."""
+TANH_IS_ONE = 20.0
+"""From here on tanh is 1 to the last digit."""
 EXPONENTIAL = tuple(1.0 / math.factorial(k) for k in range(13, 0, -1))
 """Power series of (exp(x) - 1) / x, highest power first."""
 
@@ -108,11 +118,22 @@ def expm1(x):
 
 @inlined
 def tanh(x):
-    """Return tanh to 4e-16, as t / (t + 2) with t = exp(2 |x|) - 1."""
-    negative = x.real < 0.0
-    t = expm1(2.0 * where(negative, -x, x))
-    h = t / (t + 2.0)
-    return where(negative, -h, h)
+    """Return tanh to 5e-16, by its addition theorem, as that of k ln 2 / 2 + y with |y| < ln 2 / 4.
+
+    Of the former it is (2^k - 1) / (2^k + 1), of the latter a ratio of two polynomials, so that a single
+    division remains, and the operations before it wait for few others.
+    """
+    number = where(x.real < TANH_IS_ONE, x.real, TANH_IS_ONE)
+    number = where(number > -TANH_IS_ONE, number, -TANH_IS_ONE)
+    k = (number * TWO_PER_LN_2 + SHIFT) - SHIFT
+    y = number - k * HALF_LN_2
+    z = y * y
+    sine = y * polynomial(z, HYPERBOLIC_SINE)
+    cosine = polynomial(z, HYPERBOLIC_COSINE)
+    power = power_of_two(k + (SHIFT + 1023.0))
+    below, above = power - 1.0, power + 1.0
+    value = (below * cosine + above * sine) / (above * cosine + below * sine)
+    return chained(value, 1.0 - value * value, x)
 
 
 def _for_lanes(function, of_lanes):

@@ -159,9 +159,10 @@ def place_joints(S, n, law, explicit, implicit, stage, gamma_dt):
             S[b + COAST_ANGLE] = moved_angle(S, b, implicit) + gamma_dt * rate
             S[b + ANGLE] = moved_angle(S, b, explicit)
             S[b + RATE] = moved_rate(S, b, explicit)
-            S[b + GUESS] = 0.0
+            guess = drives.zero_like(rate)
             if stage > 0:
-                S[b + GUESS] = S[b + STAGE_ACCELERATIONS + stage - 1]
+                guess = S[b + STAGE_ACCELERATIONS + stage - 1]
+            S[b + GUESS] = guess
             drives.lay_tangent(S, b, law[i], gamma_dt)
 
 

@@ -306,7 +306,9 @@ def actuator(S, b, law, angle, rate):
 @kernel
 def add_work(S, n, law, gamma_dt, duration):
     """Add the work at the powers of a stage for a duration, once its accelerations are known."""
-    S[WORK_ELECTRICAL] += duration * S[ACTIVE_POWER]
+    none = zero_like(S[TIME])
+    absolute, net, positive = none, none, none
+    electrical = none + S[ACTIVE_POWER]
     for i in range(1, n):
         b = HEADER_ROWS + i * BODY_ROWS
         if law[i] == PRESCRIBED or law[i] > PASSIVE:
@@ -317,13 +319,14 @@ def add_work(S, n, law, gamma_dt, duration):
                 angle, rate = implicit_state(S, b, acceleration, gamma_dt)
                 torque = torque_on_tangent(S, b, acceleration)
             torque += skin_at(S, b, angle, rate)
-            absolute, net, positive = shared.joint_powers(torque, rate)
-            S[WORK_ABSOLUTE] += duration * absolute
-            S[WORK_NET] += duration * net
-            S[WORK_POSITIVE] += duration * positive
+            exchanged, signed, delivered = shared.joint_powers(torque, rate)
+            absolute += exchanged
+            net += signed
+            positive += delivered
             if any_lane(S[b + STALL_POWER].real > 0.0):
-                electrical = shared.motor_power(torque, rate, *motor_of(S, b))
-                S[WORK_ELECTRICAL] += duration * electrical
+                electrical += shared.motor_power(torque, rate, *motor_of(S, b))
+    for k, power in enumerate((absolute, net, positive, electrical)):
+        S[WORK_ABSOLUTE + k] += duration * power
 
 
 @kernel
