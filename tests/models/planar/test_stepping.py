@@ -244,3 +244,42 @@ def test_eight_lanes_give_what_eight_single_runs_give():
 
     single = np.concatenate([march([S], 1) for S in trials], axis=2)
     np.testing.assert_allclose(march(trials, 8), single, rtol=1e-12, atol=1e-12)
+
+
+@pytest.fixture(scope="module")
+def march():
+    plant = lc.build_plant("mamba", joints="servo")
+    command = lc.Command(gait=GAIT)
+    flat = plant.rows(plant.init(lc.Start(), command), command)
+
+    def advance(S, n_samples):
+        log = np.full((1 + n_samples, plant.layout.sample_size, 1), np.nan)
+        n_logged = kernels().run(S, *plant.layout.chain, True, 5 * n_samples, 0.005, 5, log)
+        return n_logged, log
+
+    return flat, advance
+
+
+def test_a_run_that_resumes_leaves_the_sample_at_its_begin_to_the_run_before(march):
+    flat, advance = march
+    S = flat.copy()
+    _, whole = advance(S, 8)
+    S = flat.copy()
+    advance(S, 4)
+    S[rows.RESUMES] = 1.0
+    n_logged, second = advance(S, 4)
+    assert n_logged == S[rows.SAMPLES] == 5
+    assert np.all(np.isnan(second[0]))
+    np.testing.assert_array_equal(second[1:], whole[5:])
+    assert not np.any(np.isnan(advance(S, 1)[1]))  # it resumes once
+
+
+def test_still_water_is_a_current_of_nothing(march):
+    flat, advance = march
+    ends = []
+    for current in (0.0, 1e-200):
+        S = flat.copy()
+        S[rows.CURRENT_X] = current
+        ends.append(advance(S, 40)[1][-1])
+        assert S[rows.IS_STILL] == (current == 0.0)
+    np.testing.assert_allclose(ends[1], ends[0], rtol=1e-12, atol=1e-12)

@@ -181,20 +181,25 @@ class Fleet:
         is_implicit = self.plant.is_implicit
         is_in_log = leg.begins_at_sample and leg.ends_at_sample
         loads = self.loads
+        has_first_sample = leg.first > 0
+        resumes = is_implicit and has_first_sample
+        # Joints at a control instant are logged as they were under the command before.
+        keeps_sample = self._logs_joints and has_first_sample and not resumes
         for block in self._blocks_that_swim:
             log = self._log[block]
             samples = self._between_samples
             if is_in_log:
                 samples = log[leg.first : leg.first + leg.n_intervals + 1]
-            # Joints at a control instant are logged as they were under the command before.
-            sample_before = samples[0].copy() if self._logs_joints else samples[0]
+            sample_before = samples[0].copy() if keeps_sample else samples[0]
+            if resumes:
+                self._lanes[block, rows.RESUMES] = 1.0
             self._kernel(self._lanes[block], *chain, is_implicit, n_steps, dt, every, samples)
             if loads.is_wanted:  # at once, while the processor's cache holds the block
                 loads.evaluate_forces(block)
             if self._load_logs:
                 self._log_loads(block, samples, leg)
             if is_in_log:
-                if leg.first > 0 and self._logs_joints:
+                if keeps_sample:
                     samples[0] = sample_before
                 continue
             if leg.first == 0 and leg.begins_at_sample:

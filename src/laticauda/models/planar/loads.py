@@ -179,6 +179,8 @@ def added_mass_velocity_terms(S, b):
     """
     if HAS_FLOW:
         return element_inertia(S, b, b + CENTER)
+    if first_lane(S[IS_STILL].real) > 0.0:
+        return still_velocity_terms(S, b, S[b + V_T], S[b + V_N], S[b + LINK_RATE])
     c, s = S[b + COS], S[b + SIN]
     V_t = c * S[CURRENT_X] + s * S[CURRENT_Y]
     V_n = c * S[CURRENT_Y] - s * S[CURRENT_X]
@@ -222,6 +224,14 @@ def is_still(S):
     for row, value in STILL_WATER:
         differs |= any_lane((S[row].real != value) | (S[row].imag != 0.0))
     return not differs
+
+
+@kernel
+def note_still_water(S):
+    """Set IS_STILL, which spares terms that are 0 in still water."""
+    S[IS_STILL] = 0.0
+    if is_still(S):
+        S[IS_STILL] = 1.0
 
 
 @kernel

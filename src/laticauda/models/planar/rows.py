@@ -107,6 +107,8 @@ KNOTS = _header.take()
 N_KNOTS = _header.take()
 # row where the numbers of the water's flow begin (`fluid.flow.rows_of`), if it has one
 FLOW = _header.take()
+# 1: the first sample is in a log already, as the last one of the run before; `stepping.run` sets it back
+RESUMES = _header.take()
 HEIGHT = _header.take()  # height of the body's axis above the mean surface, for the flow [m]
 
 STILL_WATER = ((CURRENT_X, 0.0), (CURRENT_Y, 0.0), (OWN_VELOCITY, 1.0), (KIRCHHOFF, 0.0))
@@ -159,6 +161,9 @@ SIN_PHASE = _header.take()
 COS_PHASE = _header.take()
 SIN_SHIFT = _header.take()
 COS_SHIFT = _header.take()
+IS_STILL = (
+    _header.take()
+)  # 1 if the water is still and the form the relative one, see `STILL_WATER`
 KNOT = _header.take()  # last knot of the recording before the current time
 DECAY = _header.take()  # decay of the generator's filters over one of its steps
 STAGE_DECAYS = _header.take(JOINT_STAGES)  # the same from the begin of a step to its stages

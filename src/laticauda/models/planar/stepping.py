@@ -21,7 +21,7 @@ names that `model.TEMPLATES` lists. Python calls its entry points.
 # pyright: reportCallIssue=false
 
 from laticauda.compiling import compile_scalar, entry, kernel, lane_types
-from laticauda.compiling.lanes import any_lane, magnitude, where
+from laticauda.compiling.lanes import any_lane, first_lane, magnitude, where
 from laticauda.compiling.templates import bindings
 from laticauda.models.dynamics import semi_implicit
 from laticauda.models.dynamics.stages import FARTHEST, STRONGEST
@@ -70,22 +70,29 @@ def run(
     that point; the others are unaffected. Returns the largest number of samples that any lane
     counted.
 
+    Where RESUMES is set and some joint is free, the first sample is not logged, but counts: a run before
+    has logged it.
+
     The accelerations when a sample is written are those of the state. A sample holds none of them; a
     figure that needs them is computed afterwards, as `link_forces` does.
     """
     S = rows_of(flat)
+    loads.note_still_water(S)
     is_free = free_joints(law)
     holds = any_prescribed(law, n)
     drives.set_decay(S, QUARTER * dt)
     drives.set_reference(S, n, law, tail_link)
+    # With prescribed joints alone, the first sample is also the first stage of a step.
+    resumes = implicit and first_lane(S[RESUMES].real) > 0.0
+    S[RESUMES] = 0.0
+    written = int(resumes)
     S[WELL] = 1.0
-    S[SAMPLES] = 0.0
-    written = 0
+    S[SAMPLES] = float(written)
     length_prepared = 0.0
     for step in range(steps + 1):
         # The state: its torques and powers; with prescribed joints alone, this is the first stage of
         # the step, and work is counted.
-        is_sample = step % every == 0
+        is_sample = step % every == 0 and not (resumes and step == 0)
         if is_sample or not implicit:
             if implicit:
                 drives.joint_torques(S, n, law)
@@ -186,6 +193,7 @@ def march_prescribed(S, n, law, tail_link, is_still, steps, dt, every, log):
 def evaluate(flat, n, first_strip, first_plate, is_free, tail_link, has_extras):
     """Compute accelerations and torques of the state in `flat` from REFERENCE_2 (prescribed) or TOTAL_TORQUE (free)."""
     S = rows_of(flat)
+    loads.note_still_water(S)
     recursion.accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras, True)
     recursion.holding_torques(S, n, is_free)
 
@@ -199,6 +207,7 @@ def link_forces(flat, n, first_strip, first_plate, law, tail_link, has_extras, l
     `force` has shape (n_samples, 3, n, 2, lanes).
     """
     S = rows_of(flat)
+    loads.note_still_water(S)
     is_free = free_joints(law)
     for sample in range(len(log)):
         read_sample(S, n, rows_of(log[sample]))
