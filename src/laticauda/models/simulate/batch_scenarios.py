@@ -21,7 +21,7 @@ from laticauda.scenarios import (
     build_scenario,
     default_water,
 )
-from laticauda.values import BadArgument, check_instance, check_not_empty
+from laticauda.values import BadArgument, check_instance, check_not_empty, make_quickly
 
 Item = TypeVar("Item")
 
@@ -76,11 +76,30 @@ def scenarios_of_batch(
         **changes,
     )
     return [
-        replace(first, robot=robot, motion=gait, environment=environment, start=start)
+        _scenario_like(first, robot=robot, motion=gait, environment=environment, start=start)
         for robot, gait, environment, start in zip(
             robot_per_trial, gait_per_trial, environment_per_trial, start_per_trial, strict=True
         )
     ]
+
+
+def _scenario_like(
+    first: Scenario, *, robot: Robot, motion: Gait, environment: Environment, start: Start
+) -> Scenario:
+    """Return a scenario that differs from the first one of a batch in parts whose classes are checked."""
+    if isinstance(first.model, Planar):
+        # Nothing is left to check, which would take longer than all else that a trial needs in Python.
+        return make_quickly(
+            Scenario,
+            robot=robot,
+            motion=motion,
+            environment=environment,
+            model=first.model,
+            start=start,
+            duration=first.duration,
+            sample_interval=first.sample_interval,
+        )
+    return replace(first, robot=robot, motion=motion, environment=environment, start=start)
 
 
 def _default_waters(robots: Sequence[Robot], gaits: Sequence[Gait]) -> list[Environment]:
