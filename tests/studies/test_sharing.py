@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, strategies as st
 from studies.sweeps import GAIT, small
 
+from laticauda.cli import main
 from laticauda.studies import Grid, Rows, Share, merge_shares, open_sweep, run_sweep
 from laticauda.studies.regions import divide_regions
 from laticauda.studies.sharing import parse_share, region_size_for, regions_of_share
@@ -78,16 +79,18 @@ def test_a_sweep_that_was_merged_too_early_does_the_rest_itself(tmp_path: Path):
     assert run_sweep(sweep, tmp_path / "a").attrs["n_finished"] == 12
 
 
-def test_shares_that_run_at_the_same_time_in_processes_of_their_own_are_merged(tmp_path: Path):
+def test_shares_that_run_at_the_same_time_in_processes_of_their_own_are_merged(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
     words = "sweep --duration 1 --vary amplitude-deg=10:50:4 frequency-deg-s=60,120 --output big"
     command = [sys.executable, "-m", "laticauda", *words.split()]
     shares = [
         subprocess.Popen([*command, "--share", f"{number}/2"], cwd=tmp_path) for number in (1, 2)
     ]
     assert [share.wait() for share in shares] == [0, 0]
-    done = subprocess.run([*command, "--merge"], cwd=tmp_path, capture_output=True, text=True)
-    assert done.returncode == 0
-    assert done.stdout.startswith("All 8 trials reached their end.")
+    monkeypatch.chdir(tmp_path)
+    assert main([*words.split(), "--merge"]) == 0
+    assert capsys.readouterr().out.startswith("All 8 trials reached their end.")
     assert open_sweep(tmp_path / "big").attrs["n_finished"] == 8
 
 

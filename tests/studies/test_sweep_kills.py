@@ -6,7 +6,7 @@ import pytest
 from campaign_scripts import campaign
 
 kills = campaign("sweep_kills")
-SIZE = 32
+SIZE = 20
 
 
 @pytest.fixture(scope="module")
