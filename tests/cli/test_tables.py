@@ -3,7 +3,13 @@ import math
 import pytest
 from hypothesis import given, strategies as st
 
-from laticauda.cli.tables import align_columns, format_figure, format_number, format_percent
+from laticauda.cli.tables import (
+    align_columns,
+    format_figure,
+    format_number,
+    format_percent,
+    spell_with_underscores,
+)
 
 
 def test_columns_are_aligned():
@@ -44,3 +50,20 @@ def test_differences_have_a_sign():
     assert format_percent(2.48) == "+2.5 %"
     assert format_percent(-2.48) == "-2.5 %"
     assert format_percent(None) == "-"
+
+
+@pytest.mark.parametrize(
+    ("typed", "name"),
+    [
+        ("water.normal-drag", "water.normal_drag"),
+        (
+            "eel_like.robot.module[3].section.half-height",
+            "eel_like.robot.module[3].section.half_height",
+        ),
+        ("run-1.water.normal-drag", "run-1.water.normal_drag"),
+        ("robot.module[-1].mass", "robot.module[-1].mass"),
+        ("drag-x", "drag-x"),
+    ],
+)
+def test_dashes_of_a_number_are_underscores_and_those_of_a_trial_stay(typed: str, name: str):
+    assert spell_with_underscores(typed) == name

@@ -14,7 +14,7 @@ from laticauda.cli.command import Command, Outcome
 from laticauda.cli.flags import File, OptionalFolder, Options, PictureOutput, Words
 from laticauda.cli.progress import PATIENCE, SHARE, show_progress
 from laticauda.cli.shared_options import base_option, joint_law_option, threads_option
-from laticauda.cli.tables import align_columns, parse_numbers
+from laticauda.cli.tables import align_columns, parse_numbers, spell_with_underscores
 from laticauda.identify import (
     LIMIT,
     SENSORS,
@@ -327,12 +327,12 @@ class _Task(NamedTuple):
 
 def _parse_unknown(text: str) -> Unknown:
     if "=" not in text:
-        return Unknown(name=text)
-    name, sign, (mean, *deviations) = parse_numbers("parameters", text, FORM, "+-")
+        return Unknown(name=spell_with_underscores(text))
+    typed_name, sign, (mean, *deviations) = parse_numbers("parameters", text, FORM, "+-")
     prior = None
     if sign:
         prior = (mean, deviations[0])
-    return Unknown(name=name, start=mean, prior=prior)
+    return Unknown(name=spell_with_underscores(typed_name), start=mean, prior=prior)
 
 
 def _parse_sensors(typed: tuple[str, ...]) -> dict[str, float]:

@@ -1,7 +1,6 @@
 """`laticauda identify`: physical parameters with their uncertainty from measured trials."""
 
 import json
-import re
 import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -32,7 +31,7 @@ from laticauda.cli.shared_options import (
     scheduler_option,
     threads_option,
 )
-from laticauda.cli.tables import format_table, parse_numbers
+from laticauda.cli.tables import format_table, parse_numbers, spell_with_underscores
 from laticauda.identify import fitting, list_assumptions, measurements, result, tasks, validation
 from laticauda.models.simulate import UNITS, connected
 from laticauda.robot import load_parameters
@@ -58,9 +57,6 @@ from laticauda.values import (
 FORM = "NAME, NAME=LOW:HIGH or NAME=MEAN+-SD, such as water.normal_drag=0.5:4"
 METHOD_OF_TASK = ("starts", "seed", "noise")
 """Options of the method that a task file has, too."""
-_NUMBER = re.compile(r"(?:^|(?<=\.))(?:robot|water|ground|gait|joints|measured|start)\..*")
-"""Name of a number in a name that may begin with a kind of gait, a group or a measurement."""
-_DASH_IN_WORD = re.compile(r"(?<=[a-z])-(?=[a-z])")
 SUFFIXES_WITHOUT_COLUMNS = (".nc", ".mcap")
 """Endings of files that describe themselves."""
 
@@ -340,24 +336,15 @@ def _parse_measured(typed: Sequence[str]) -> dict[str, dict[str, float]]:
 def _parse_unknown(text: str) -> dict[str, Any]:
     """Return one of `parameters` in the form of a task file."""
     if "=" not in text:
-        return {"name": _with_underscores(text)}
+        return {"name": spell_with_underscores(text)}
     typed_name, sign, ends = parse_numbers("parameters", text, FORM, "+-", ":")
-    name = _with_underscores(typed_name)
+    name = spell_with_underscores(typed_name)
     if len(ends) != 2:
         raise BadArgument("parameters", f"must be {FORM}, got {text!r}")
     if sign == "+-":
         return {"name": name, "prior": ends}
     lower, upper = ends
     return {"name": name, "lower": lower, "upper": upper}
-
-
-def _with_underscores(typed_name: str) -> str:
-    """Return a name that may have been typed with dashes, as for a sweep; those of a measurement's name stay."""
-    number = _NUMBER.search(typed_name)
-    if number is None:
-        return typed_name
-    scope = typed_name[: number.start()]
-    return scope + _DASH_IN_WORD.sub("_", number.group())
 
 
 def _describe(validated: validation.Validation, folder: Path) -> str:

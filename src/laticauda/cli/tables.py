@@ -1,6 +1,7 @@
 """Aligned tables of plain text, numbers with their units, and words that assign numbers to names."""
 
 import math
+import re
 import textwrap
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
@@ -16,6 +17,9 @@ NOISE = 1e-6
 SHORT = (1e-3, 1e6)
 """Numbers from the first to below the second are short enough without an exponent."""
 SIGNIFICANT_DIGITS = 4
+_NUMBER = re.compile(r"(?:^|(?<=\.))(?:robot|water|ground|gait|joints|measured|start)\..*")
+"""Name of a number in a name that may begin with a kind of gait, a group or a measurement."""
+_DASH_IN_WORD = re.compile(r"(?<=[a-z])-(?=[a-z])")
 
 
 class Figure(NamedTuple):
@@ -127,6 +131,19 @@ def format_percent(value: float | None) -> str:
     if value is None:
         return MISSING
     return f"{value:+.1f} %"
+
+
+def spell_with_underscores(typed_name: str) -> str:
+    """Return the name of a number that may have been typed with dashes, as for a sweep.
+
+    Args:
+        typed_name: The name; dashes in a group or a measurement before it stay.
+    """
+    number = _NUMBER.search(typed_name)
+    if number is None:
+        return typed_name
+    scope = typed_name[: number.start()]
+    return scope + _DASH_IN_WORD.sub("_", number.group())
 
 
 def parse_numbers(option: str, text: str, form: str, *signs: str) -> Assignment:
