@@ -1,10 +1,12 @@
 """Films of missions: what a picture shows at a moment."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
 from matplotlib.collections import LineCollection
+from matplotlib.patches import FancyArrowPatch
 
 from laticauda.missions import (
     Conditions,
@@ -87,6 +89,23 @@ def test_pictures_fall_on_samples_and_the_last_one_stays(film, result):
 def test_a_film_lasts_about_twenty_seconds_unless_its_speed_is_given(result):
     film = film_mission(result, frames_per_second=5.0)
     assert len(film._moments) == 100 + 2 * 5
+
+
+def test_no_reason_in_a_diagram_hides_a_way_past_it():
+    panel = draw_phases(load_mission("net-inspection").motion).axes[0]
+    panel.figure.canvas.draw()
+    lines = []
+    for arrow in panel.patches:
+        if isinstance(arrow, FancyArrowPatch):
+            lines += arrow.get_path().to_polygons(panel.transData, closed_only=False)
+    reasons = [text for text in panel.texts if text.get_bbox_patch() is not None]
+    assert len(reasons) == 10
+    for reason in reasons:
+        box = reason.get_window_extent()
+        for line in lines:
+            for (x, y), (next_x, next_y) in pairwise(line):
+                is_beside = min(y, next_y) < box.y1 and max(y, next_y) > box.y0
+                assert not (abs(x - next_x) < 0.5 and is_beside and box.x0 < x < box.x1)
 
 
 def test_a_diagram_names_every_reason_inside_its_picture():

@@ -32,8 +32,16 @@ REASON_WIDTH = 14
 """Characters of a line of the reasons beside a way past other phases."""
 REASON_SIZE = 7
 """Size of reasons [pt]."""
-ARC_STEP = 0.7
-"""Distance of the ways past other phases from each other."""
+CHARACTER_WIDTH = 0.08
+"""Width of a character of a reason, rather too large."""
+BESIDE_STEP = 0.08
+"""Distance of reasons from the arrow of a step."""
+ARC_ROOM = 0.7
+"""Distance of the first way past other phases from the boxes."""
+ARC_STEP = 1.25
+"""Distance of the ways past other phases from each other: their reasons are between."""
+STEP_REASON_WIDTH = 20
+"""Characters of a line of the reasons beside a way to the next phase."""
 PHASE_COLORS = ("#0072B2", "#D55E00", "#009E73", "#E69F00", "#CC79A7", "#56B4E9", "#8A8A8A")
 """Colors of phases on a map, in the order of the table."""
 MAP_WIDTH = 5.5
@@ -63,8 +71,9 @@ def draw_phases(mission: Mission) -> Figure:
     for way in ways:
         if way.after != way.before + 1:
             n_arcs[_side_of(way)] += 1
-    left = -(HALF_BOX + ARC_STEP * n_arcs[-1] + ROOM_LEFT)
-    right = max(HALF_BOX + ARC_STEP * n_arcs[1] + ROOM_RIGHT, LEAST_RIGHT)
+    right_of_steps = _right_end_of_steps(ways)
+    left = -(_arc_at(HALF_BOX, n_arcs[-1]) + ROOM_LEFT)
+    right = max(_arc_at(right_of_steps, n_arcs[1]) + ROOM_RIGHT, LEAST_RIGHT)
     figure, (panel,) = new_panels(width=UNIT * (right - left), height=ROW * len(names))
     ax: Any = panel
     for row, name in enumerate(names):
@@ -77,7 +86,10 @@ def draw_phases(mission: Mission) -> Figure:
             continue
         side = _side_of(way)
         n_drawn[side] += 1
-        _draw_arc(ax, way, x=side * (HALF_BOX + ARC_STEP * n_drawn[side]))
+        inside = HALF_BOX
+        if side > 0:
+            inside = right_of_steps
+        _draw_arc(ax, way, x=side * _arc_at(inside, n_drawn[side]))
     ax.set_xlim(left, right)
     ax.set_ylim(len(names) - 0.5, -0.5)
     ax.set_axis_off()
@@ -93,6 +105,31 @@ def _merge_ways(ways: tuple[Way, ...]) -> list[Way]:
     for (before, after), reasons in reasons_of_pair.items():
         merged_ways.append(Way(before, after, "\nor ".join(reasons)))
     return merged_ways
+
+
+def _right_end_of_steps(ways: list[Way]) -> float:
+    """Return from where ways past other phases cross neither a box nor the reasons of a step, less a distance."""
+    longest = 0
+    for way in ways:
+        if way.after == way.before + 1:
+            lines = _wrap_reasons(way.reason, STEP_REASON_WIDTH)
+            longest = max(longest, *(len(line) for line in lines))
+    return max(HALF_BOX, BESIDE_STEP + CHARACTER_WIDTH * longest - ARC_ROOM)
+
+
+def _arc_at(inside: float, number: int) -> float:
+    """Return the distance from the middle of one of the ways past other phases; of none, that of what is inside."""
+    if number == 0:
+        return inside
+    return inside + ARC_ROOM + ARC_STEP * (number - 1)
+
+
+def _wrap_reasons(reasons: str, width: int) -> list[str]:
+    """Return the lines of reasons, each of which begins a new one."""
+    lines: list[str] = []
+    for reason in reasons.splitlines():
+        lines += textwrap.wrap(reason, width)
+    return lines
 
 
 def _side_of(way: Way) -> int:
@@ -135,7 +172,8 @@ def _draw_step(ax: Any, way: Way) -> None:
     end = 0.0, way.after - HALF_HEIGHT
     ax.add_patch(_arrow((begin, end)))
     middle = 0.5 * (way.before + way.after)
-    _write_reasons(ax, 0.08, middle, way.reason, align="left")
+    lines = _wrap_reasons(way.reason, STEP_REASON_WIDTH)
+    _write_reasons(ax, BESIDE_STEP, middle, "\n".join(lines), align="left")
 
 
 def _draw_arc(ax: Any, way: Way, *, x: float) -> None:
@@ -147,9 +185,7 @@ def _draw_arc(ax: Any, way: Way, *, x: float) -> None:
     end = side * HALF_BOX, way.after - lower
     ax.add_patch(_arrow((begin, (x, begin[1]), (x, end[1]), end)))
     align = "left" if side > 0.0 else "right"
-    lines: list[str] = []
-    for reason in way.reason.splitlines():
-        lines += textwrap.wrap(reason, REASON_WIDTH)
+    lines = _wrap_reasons(way.reason, REASON_WIDTH)
     _write_reasons(ax, x + 0.06 * side, way.before + 0.5 * down, "\n".join(lines), align=align)
 
 
