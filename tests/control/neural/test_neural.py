@@ -97,6 +97,26 @@ def test_what_no_network_can_have_is_refused(change, message):
         lc.swim("mamba", PhaseOscillators(gait=GAIT, **change), 1.0, joints="servo")
 
 
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"steering": GAIT}, "`steering` must be of class Controller, got Gait."),
+        ({"steering": PhaseOscillators(gait=GAIT)}, "`steering` must be a controller that commands a gait"),
+        ({"gait": lc.recorded_gait(lc.load_joint_angles("amphibot-1"))}, "`gait` must be a wave, with"),
+        ({"interval": 1e-9}, "`interval` must be >= 0.0001 s, got 1e-09."),
+    ],
+)  # fmt: skip
+def test_what_cannot_steer_or_pace_a_network_is_refused(changes, message):
+    with pytest.raises(ValueError, match="must be") as refusal:
+        PhaseOscillators(**({"gait": GAIT} | changes))
+    assert message in str(refusal.value)
+
+
+def test_a_robot_without_joints_is_refused():
+    with pytest.raises(ValueError, match="`robot` must have joints to be moved by neurons, got"):
+        lc.swim(lc.load_robot("chain", n_links=1), PhaseOscillators(gait=GAIT), 1.0, joints="pd")
+
+
 def test_prescribed_joints_are_refused():
     with pytest.raises(ValueError, match="`references` must be None for prescribed joints"):
         lc.swim("mamba", PhaseOscillators(gait=GAIT), 1.0)

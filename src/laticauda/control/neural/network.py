@@ -23,7 +23,7 @@ from jaxtyping import Float
 from laticauda.motion.gaits import Gait
 from laticauda.robot import Robot
 from laticauda.scenarios import Command, Controller, Observation, Observations
-from laticauda.values import BadArgument, option, quantity, value_class
+from laticauda.values import BadArgument, check_instance, option, quantity, value_class
 
 Neurons = TypeVar("Neurons", bound=tuple[Any, ...])
 PerJoint = Float[np.ndarray, "... n_joints"]
@@ -32,6 +32,8 @@ PerNetwork: TypeAlias = Float[np.ndarray, "n_networks 1"]
 
 LONGEST_STEP = 0.01
 """Largest time step by which neurons are integrated [s]."""
+SHORTEST_INTERVAL = 1e-4
+"""Shortest time between two control instants: what is shorter fills the memory with instants [s]."""
 FASTEST_PULL = 2.0 / LONGEST_STEP
 """Rate of decay beyond which the midpoint rule no longer follows neurons in such steps [1/s]."""
 ROUNDING = 1e-9
@@ -133,13 +135,28 @@ class NeuralGait(Controller[NetworkState[Neurons]], Generic[Neurons]):
     spread: float = quantity(
         "", "Standard deviation of the natural frequencies, per frequency", ge=0.0, default=0.0
     )
-    interval: float = quantity("s", "Time between two control instants", default=0.02, gt=0.0)
+    interval: float = quantity(
+        "s", "Time between two control instants", default=0.02, ge=SHORTEST_INTERVAL
+    )
 
     members: "ClassVar[Sequence[NeuralGait[Any]]]" = ()
     """The networks that this one stands for, if it stands for many."""
 
+    def __post_init__(self) -> None:
+        if self.gait.recorded is not None:
+            rule = "must be a wave, with an amplitude and a frequency, got a recorded motion"
+            raise BadArgument("gait", rule)
+        if self.steering is None:
+            return
+        check_instance("steering", self.steering, Controller)
+        if isinstance(self.steering, NeuralGait):
+            rule = "must be a controller that commands a gait, got a network, which commands joints"
+            raise BadArgument("steering", rule)
+
     def check(self, robot: Robot) -> None:
-        """Reject a `robot` with pitch joints, or cuts where it has no joints."""
+        """Reject a `robot` with pitch joints or none, or cuts where it has no joints."""
+        if not robot.joints:
+            raise BadArgument("robot", f"must have joints to be moved by neurons, got {robot.name}")
         if any(joint.axis != "yaw" for joint in robot.joints):
             raise BadArgument("robot", "must have yaw joints only to be moved by neurons")
         last = robot.n_joints - 2
