@@ -44,20 +44,25 @@ def test_a_run_and_the_worst_runs_of_a_campaign_are_filmed(tmp_path, capsys, mon
 @pytest.mark.parametrize(
     ("words", "message"),
     [
+        (
+            ["net-inspektion"],
+            "laticauda: NAME must be `net-inspection`, `tank-inspection`, or a file",
+        ),
         (["net-inspektion"], "did you mean `net-inspection`?"),
         (["net-inspection", "--runs", "2"], "--runs must be given together with --table FILE.csv."),
         (
             ["net-inspection", "--runs", "2", "--table", "a.csv", "--plot", "a.png"],
-            "--seed, --save, --plot and --video must be left out with --runs, for one run only.",
+            "--plot must be left out with --runs: it is for one run only.",
         ),
         (["net-inspection", "--table", "a.csv"], "--table must be given together with --runs."),
         (
             ["net-inspection", "--speed", "6"],
             "--speed must be given together with --video or --films.",
         ),
+        (["net-inspection", "--films", "2"], "--films must be given together with --runs."),
         (
-            ["net-inspection", "--films", "2"],
-            "--scheduler, --share, --merge and --films must be given together with --runs.",
+            ["net-inspection", "--diagram", "a.png", "--merge"],
+            "--merge must be given together with --runs.",
         ),
         (
             ["net-inspection", "--runs", "2", "--table", "a.csv", "--share", "1/2", "--films", "1"],

@@ -152,5 +152,5 @@ def test_ways_of_running_that_contradict_each_other_are_refused(
 
 def test_ways_of_running_belong_to_campaigns(capsys):
     assert main(["mission", "net-inspection", "--share", "1/2"]) == 2
-    message = "--scheduler, --share, --merge and --films must be given together with --runs."
+    message = "--share must be given together with --runs."
     assert message in capsys.readouterr().err

@@ -1,7 +1,7 @@
 """`laticauda mission`: a robot on a mission, once, under drawn conditions, or many times."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, fields, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -50,7 +50,7 @@ from laticauda.scenarios import MODELS, Model, Planar, Scenario
 from laticauda.show.figures import save_figure
 from laticauda.show.pictures import find_ffmpeg
 from laticauda.studies import Share, parse_share
-from laticauda.values import option, quantity, to_plain, value_class
+from laticauda.values import BadArgument, option, quantity, to_plain, value_class
 
 NEVER_FAILING = ("battery",)
 """Sensors that do not fail in drawn conditions."""
@@ -104,12 +104,12 @@ class RunMission(Command):
         if self.name is None:
             missions = list_missions()
             return Outcome(facts={"missions": missions}, text="\n".join(missions))
+        self._check_way_of_running()
         scenario = self._scenario(self.name)
         mission = scenario.motion
         assert isinstance(mission, Mission)
         if self.diagram is not None:
             save_figure(draw_phases(mission), self.diagram)
-        self._check_way_of_running()
         if self.scheduler is None and not self.merge:
             warn_of_compiling(scenario.environment, scenario.model, scenario.robot)
         if self.runs is not None and self.table is not None:
@@ -129,7 +129,10 @@ class RunMission(Command):
 
     def _scenario(self, name: str) -> Scenario:
         """Return the mission with the chosen model and duration."""
-        scenario = load_mission(name)
+        try:
+            scenario = load_mission(name)
+        except BadArgument as error:
+            raise BadArgument("name", error.rule) from None
         if self.duration is not None:
             scenario = replace(scenario, duration=self.duration)
         if self.model is not None:
@@ -143,19 +146,25 @@ class RunMission(Command):
         if self.runs is None:
             if self.table is not None:
                 raise BadFlag("--table must be given together with --runs.")
-            of_campaigns = (self.scheduler, self.share, self.films, self.merge or None)
-            if any(value is not None for value in of_campaigns):
-                raise BadFlag(
-                    "--scheduler, --share, --merge and --films must be given together with --runs."
-                )
+            of_campaigns = {
+                "--scheduler": self.scheduler,
+                "--share": self.share,
+                "--merge": self.merge or None,
+                "--films": self.films,
+            }
+            for flag in _typed(of_campaigns):
+                raise BadFlag(f"{flag} must be given together with --runs.")
             return
         if self.table is None:
             raise BadFlag("--runs must be given together with --table FILE.csv.")
-        of_one_run = (self.seed, self.save, self.plot, self.video)
-        if any(value is not None for value in of_one_run):
-            raise BadFlag(
-                "--seed, --save, --plot and --video must be left out with --runs, for one run only."
-            )
+        of_one_run = {
+            "--seed": self.seed,
+            "--save": self.save,
+            "--plot": self.plot,
+            "--video": self.video,
+        }
+        for flag in _typed(of_one_run):
+            raise BadFlag(f"{flag} must be left out with --runs: it is for one run only.")
         check_way_of_running(self.share, self.scheduler, merge=self.merge)
         if self.films is not None:
             if self.share is not None:
@@ -215,6 +224,11 @@ class RunMission(Command):
         }
         text = f"{status}\nWhen all shares are done: the same command with --merge for --share."
         return Outcome(facts=facts, text=text)
+
+
+def _typed(values: Mapping[str, object]) -> list[str]:
+    """Return the options that were typed, of some that have no value otherwise."""
+    return [flag for flag, value in values.items() if value is not None]
 
 
 def _report_unfinished(merged: MergedCampaign, seeds: range, table: str) -> Outcome:
