@@ -82,6 +82,8 @@ BAD = {
     "swim --current nope.toml": "--current: nope.toml: no such file",
     "swim --current text.toml": "--current: text.toml: ",
     "swim --current heigt.toml": "--current: heigt.toml: key `heigt`: is not known; did you mean `height`?",
+    "swim --current behind.toml": "no.nc: cannot be read: no such file or directory.",
+    "swim --current lake.toml": "lake.toml: key `source`: must be a netCDF file that holds a flow, got",
     "swim --current vortex cor=1": "--current vortex: `cor` is not known; did you mean `core`?",
     "swim --current vortex core=-1": "--current vortex: `core` must be > 0 m, got -1.",
     "swim --current vortex core": "--current must be a preset or a file and NAME=NUMBER ..., such as swell height=0.2",
@@ -149,6 +151,8 @@ def with_files(folder: Path) -> Path:
     (folder / "range.toml").write_text(start + "electronics_power = -3\n")
     (folder / "text.toml").write_text("hello\n")
     (folder / "heigt.toml").write_text('kind = "waves"\nheigt = 0.1\n')
+    (folder / "behind.toml").write_text('kind = "wake-of-trial"\nsource = "no.nc"\n')
+    (folder / "lake.toml").write_text('kind = "gridded"\nsource = "no.nc"\n')
     (folder / "folder.nc").mkdir()
     return folder
 
@@ -162,7 +166,7 @@ def test_bad_input_is_refused_with_a_message(run, with_files, line):
     # tyro breaks its lines inside a frame
     message = " ".join(part.strip("│ ") for part in done.err.splitlines())
     assert BAD[line] in message
-    assert "Traceback" not in done.err and "?." not in message
+    assert "Traceback" not in done.err and "?." not in message and "[Errno" not in message
     assert sorted(with_files.iterdir()) == before
 
 

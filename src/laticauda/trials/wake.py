@@ -224,7 +224,8 @@ class WakeOfTrial(Flow):
         try:
             digest = hashlib.sha256(path.read_bytes()).hexdigest()[:16]
         except OSError as error:
-            raise TrialFileError(f"{path}: cannot be read: {error}") from error
+            reason = (error.strerror or str(error)).lower()
+            raise TrialFileError(f"{path}: cannot be read: {reason}") from error
         if self.digest not in ("", digest):
             raise BadArgument(
                 "digest", f"must match `{path}`, which has changed since, got {self.digest}"

@@ -115,7 +115,8 @@ def read_grid(file: str) -> Grid:
     try:
         return _read(file, Path(file).stat().st_mtime_ns)
     except (OSError, RuntimeError, ValueError) as error:
-        reason = " ".join(str(error).split())
+        reason = getattr(error, "strerror", None) or str(error)
+        reason = " ".join(reason.split())
         rule = f"must be a netCDF file that holds a flow, got {file}: {reason}"
         raise BadArgument("source", rule.rstrip(".")) from error
 
