@@ -28,6 +28,10 @@ MARGINS = 1.0
 """Height of titles and labels [in]."""
 SMALL: Any = {"fontsize": style.TICK - 1.0, "ha": "center"}
 """Look of the numbers beside modules."""
+NUMBER_HEIGHT = 0.15
+"""Height of such a number, rather too large [in]."""
+MARGIN = 1.24
+"""Height of a view by the width of the largest robot, at least [-]."""
 GAP = 4.0
 """Distance of the numbers from modules [mm]."""
 
@@ -64,9 +68,10 @@ def draw_design_sheet(before: Scenario, after: Scenario, note: str = "") -> Figu
         views += [side, plan]
     for view in views[:-1]:
         view.tick_params(labelbottom=False)
-    views[-1].set_xlabel(
-        "from the trailing edge of the fin toward the head [mm]", fontsize=style.LABEL
-    )
+    tail = "the tail"
+    if before.robot.caudal_fin is not None and after.robot.caudal_fin is not None:
+        tail = "the trailing edge of the fin"
+    views[-1].set_xlabel(f"from {tail} toward the head [mm]", fontsize=style.LABEL)
     amplitude = figure.add_subplot(rows[4, 0])
     phase = figure.add_subplot(rows[4, 1])
     _draw_gaits([before, after], amplitude, phase)
@@ -134,6 +139,8 @@ class _Extent(NamedTuple):
     """Length along the body [mm]."""
     width: float
     """Width across it [mm]."""
+    half_height: float
+    """Half the height of a view, with room for the numbers [mm]."""
 
 
 def _find_extent(robots: Sequence[Robot]) -> _Extent:
@@ -144,7 +151,10 @@ def _find_extent(robots: Sequence[Robot]) -> _Extent:
         pieces += plan_view(robot)
     length = max(piece.begin + piece.length for piece in pieces)
     width = max(piece.width for piece in pieces)
-    return _Extent(length, width)
+    plan_width = max(piece.width for robot in robots for piece in plan_view(robot))
+    scale = max(length / style.DOUBLE_COLUMN, MARGIN * width / VIEW_HEIGHT)
+    with_numbers = 0.5 * plan_width + GAP + NUMBER_HEIGHT * scale
+    return _Extent(length, width, half_height=max(0.5 * MARGIN * width, with_numbers))
 
 
 def _draw_view(ax: Axes, pieces: Sequence[Piece], extent: _Extent, color: str, title: str) -> None:
@@ -162,15 +172,15 @@ def _draw_view(ax: Axes, pieces: Sequence[Piece], extent: _Extent, color: str, t
                 alpha=0.85,
             )
         )
-    length, width = extent
+    length, width, half_height = extent
     ax.set_xlim(-0.01 * length, 1.01 * length)
-    ax.set_ylim(-0.62 * width, 0.62 * width)
+    ax.set_ylim(-half_height, half_height)
     ax.set_aspect("equal", anchor="W")
     style.style_axes(ax, xlabel="", ylabel="[mm]")
     ax.set_yticks(
         [-0.5 * width, 0.0, 0.5 * width], [f"{-0.5 * width:.0f}", "0", f"{0.5 * width:.0f}"]
     )
-    ax.text(1.0, 1.06, title, transform=ax.transAxes, ha="right", va="top", fontsize=style.TICK)
+    ax.text(1.0, 1.0, title, transform=ax.transAxes, ha="right", va="bottom", fontsize=style.TICK)
 
 
 def _write_numbers(ax: Axes, robot: Robot) -> None:
