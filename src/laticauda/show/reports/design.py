@@ -145,13 +145,15 @@ class _Extent(NamedTuple):
 
 def _find_extent(robots: Sequence[Robot]) -> _Extent:
     """Return the extent of the largest views."""
-    pieces: list[Piece] = []
+    side_pieces: list[Piece] = []
+    plan_pieces: list[Piece] = []
     for robot in robots:
-        pieces += side_view(robot)
-        pieces += plan_view(robot)
+        side_pieces += side_view(robot)
+        plan_pieces += plan_view(robot)
+    pieces = [*side_pieces, *plan_pieces]
     length = max(piece.begin + piece.length for piece in pieces)
     width = max(piece.width for piece in pieces)
-    plan_width = max(piece.width for robot in robots for piece in plan_view(robot))
+    plan_width = max(piece.width for piece in plan_pieces)
     scale = max(length / style.DOUBLE_COLUMN, MARGIN * width / VIEW_HEIGHT)
     with_numbers = 0.5 * plan_width + GAP + NUMBER_HEIGHT * scale
     return _Extent(length, width, half_height=max(0.5 * MARGIN * width, with_numbers))
