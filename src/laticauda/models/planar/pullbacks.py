@@ -73,6 +73,7 @@ def _write_of_body(formulas: _Formulas) -> Pullbacks:
     """Return the pullback of the wrench on a body alone, I a + p."""
 
     def wrench(S: Any, b: Any, spin: Any, qx: Any, qy: Any) -> Sequence[Any]:
+        S[rows.IS_STILL] = 0.0  # in still water, too, loads depend on the current
         a00, a01, a02, a11, a12, a22, p0, p1, p2 = formulas.recursion.of_body(S, b)
         return (
             a00 * spin + a01 * qx + a02 * qy + p0,
