@@ -2,7 +2,8 @@
 
 Question: ten links, 30 s, prescribed joints: time of one core per trial and parameter of the gait,
 against a trial of a batch, and against central differences (two trials per parameter). And the same for
-the derivatives of one figure of a trial to everything that the kernels read, backward in time.
+the derivatives of one figure of a trial to everything that the kernels read, and to 60 numbers of its
+modules, backward in time.
 """
 
 import time
@@ -14,7 +15,10 @@ from laticauda.models.simulate import compute_sensitivities, runs_of
 from laticauda.models.simulate.gradients import FigureOfRun, compute_row_gradients
 
 NAMES = ("gait.amplitude", "gait.frequency", "gait.phase_shift", "gait.offset")
+QUANTITIES = ("length", "mass", "center", "normal_drag", "section.half_height", "added_mass")
+NAMES_OF_MODULES = [f"robot.module[{i}].{quantity}" for i in range(10) for quantity in QUANTITIES]
 TRIALS = 64
+MANY_TRIALS = 256
 
 
 def main() -> None:
@@ -40,10 +44,26 @@ def main() -> None:
         / TRIALS
     )
     n_rows = runs[0].rows.size
+    times_of_modules = {n: _time_modules(robot, n) for n in (TRIALS, MANY_TRIALS)}
     print(f"of one figure, to all {n_rows} rows {1e3 * gradient:5.3f} ms, x {gradient / trial:.1f}")
+    for n_trials, seconds in times_of_modules.items():
+        label = f"to 60 numbers, batch of {n_trials}"
+        print(f"{label:<30} {1e3 * seconds:7.3f} ms, x {seconds / trial:.1f}")
     print(f"by two trials                  {2e3 * trial:7.3f} ms, x 2.0")
     print(f"gradient of one trial, 4 parameters, wall {1e3 * alone:.1f} ms")
     print_load()
+
+
+def _time_modules(robot: lc.Robot, n_trials: int) -> float:
+    """Time of one core per trial for one figure's derivatives to 60 numbers of its modules [s]."""
+    gaits = random_gaits(n_trials)
+
+    def differentiate() -> object:
+        return compute_sensitivities(
+            robot, gaits, names=NAMES_OF_MODULES, figures=["forward_velocity"], threads=1
+        )
+
+    return fastest(time.process_time, differentiate, 3) / n_trials
 
 
 if __name__ == "__main__":

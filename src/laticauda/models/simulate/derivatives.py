@@ -64,8 +64,7 @@ def compute_slopes(
         if derivative.needs_extras and not plant.layout.has_extras:
             plant = shared.plant_with_extras(plant)
         derived_runs.append(replace(run, plant=plant, slope=derivative.rows))
-        weight = metrics.carried_weight(plant.robot, plant.environment)
-        weights[i] = weight + 1j * batch.STEP * derivative.weight
+        weights[i] = shared.weight_of(plant) + 1j * batch.STEP * derivative.weight
     result = batch_run.run_batch(
         derived_runs,
         duration,
@@ -147,6 +146,8 @@ class SharedWork:
         self._derivatives: dict[_DerivativeKey, RowDerivative] = {}
         self._last_list: _KeptList | None = None
         """The derivatives that were asked for last: those of the next run are mostly the same."""
+        self._weights: dict[int, float] = {}
+        """Weights of robots, by the plant."""
         self._plants: dict[int, model.PlanarPlant] = {}
         """Plants with extras, by the plant without."""
 
@@ -190,6 +191,16 @@ class SharedWork:
         derivative = differentiate_rows(run, number, CENTRAL)
         self._derivatives[key] = derivative  # it is the same for all gaits
         return derivative
+
+    def weight_of(self, plant: model.PlanarPlant) -> float:
+        """Return the weight of a plant's robot, see `carried_weight` [N].
+
+        Args:
+            plant: The plant.
+        """
+        if id(plant) not in self._weights:
+            self._weights[id(plant)] = metrics.carried_weight(plant.robot, plant.environment)
+        return self._weights[id(plant)]
 
     def plant_with_extras(self, plant: model.PlanarPlant) -> model.PlanarPlant:
         """Return a plant with kernels that also compute loads that are 0 now, but whose derivatives are not.
