@@ -53,15 +53,17 @@ def test_a_campaign_goes_on_with_a_table_that_was_cut_short(
     assert path.read_bytes() == whole
 
 
-def test_shares_run_by_processes_of_their_own_are_merged_to_the_same_table(whole, tmp_path):
+def test_shares_run_by_processes_of_their_own_are_merged_to_the_same_table(
+    whole, tmp_path, monkeypatch, capsys
+):
     command = [sys.executable, "-m", "laticauda", *WORDS.split()]
     shares = [
         subprocess.Popen([*command, "--share", f"{number}/2"], cwd=tmp_path) for number in (1, 2)
     ]
     assert [share.wait() for share in shares] == [0, 0]
-    done = subprocess.run([*command, "--merge"], cwd=tmp_path, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.startswith("docked       0 of 4")
+    monkeypatch.chdir(tmp_path)
+    assert main([*WORDS.split(), "--merge"]) == 0
+    assert capsys.readouterr().out.startswith("docked       0 of 4")
     assert (tmp_path / "rows.csv").read_bytes() == whole
 
 
