@@ -28,6 +28,8 @@ def test_without_noise_the_truth_comes_back_exactly():
     assert found[DRAG].value == pytest.approx(1.4, rel=1e-6)
     assert found.chi2 < 1e-9
     assert "2 of 2 starts reached this minimum" in found.status
+    n_measurements = len(found.problem.measurements)
+    assert repr(found) == f"<Fit to {n_measurements} measurements: {FRICTION} = 0.2, {DRAG} = 1.4>"
 
 
 def test_a_search_that_comes_to_where_another_one_ended_ends_there_and_one_that_leads_elsewhere_goes_on(

@@ -6,7 +6,7 @@ from hypothesis import given, strategies as st
 from identify.trials import FRICTION, ROBOT, WATER, gaits
 
 import laticauda as lc
-from laticauda.identify import Measurement, from_table1, from_trial
+from laticauda.identify import Measurement, fit, from_table1, from_trial
 from laticauda.identify.problem import make_problem
 from laticauda.identify.selection_bias import mean_of_the_greatest
 from laticauda.scenarios import Experiment
@@ -73,6 +73,30 @@ def test_a_trial_becomes_what_was_asked_for_of_it():
         from_trial(replace(trial, scenario=unknown), name="a", figures=figures)
     with pytest.raises(ValueError, match="`figures` must be one of"):
         from_trial(trial, name="a", figures={"speed": 0.1})
+
+
+@pytest.mark.parametrize("model", [None, "planar"])
+def test_a_fit_begins_as_smoothly_as_the_trial_did(model):
+    trial = lc.swim(ROBOT, GAIT, 8.0, environment=WATER, ramp=3.0)
+    measurement = from_trial(trial, name="a", series={"center_of_mass": 0.01}, every=20)
+    problem = make_problem([measurement], ["water.normal_drag"], model=model)
+    (used,) = problem.measurements
+    assert used.scenario.model.ramp == 3.0
+    identified = fit([measurement], parameters=["water.normal_drag"], model=model, n_starts=1)
+    assert identified.values["water.normal_drag"] == pytest.approx(WATER.normal_drag, rel=1e-6)
+    (changed,) = make_problem([measurement], ["water.normal_drag"], ramp=0.5).measurements
+    assert changed.scenario.model.ramp == 0.5
+    usual = from_trial(lc.swim(ROBOT, GAIT, 1.0), name="a", figures={"x": 0.1})
+    assert usual.scenario.model == lc.Planar()
+
+
+def test_trials_that_began_in_different_ways_are_not_fitted_as_one():
+    measurements = [
+        from_trial(lc.swim(ROBOT, GAIT, 1.0, ramp=ramp), name=f"{ramp}", figures={"x": 0.1})
+        for ramp in (1.0, 2.0)
+    ]
+    with pytest.raises(ValueError, match=r"must all be of one model, got another one in `2\.0`"):
+        make_problem(measurements, ["water.normal_drag"])
 
 
 @pytest.mark.parametrize(

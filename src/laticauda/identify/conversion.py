@@ -86,6 +86,7 @@ def from_trial(
         environment=trial.environment,
         start=_start_of(trial, trial.gait),
         duration=trial.duration,
+        model=_model_of(trial),
     )
     return Measurement(
         name=name,
@@ -107,6 +108,19 @@ def _figure_of(trial: lc.Trial, figure: str) -> Any:
     if figure == "heading":
         return trial.heading[-1]
     return getattr(trial, figure, None)
+
+
+def _model_of(trial: lc.Trial) -> lc.Planar:
+    """Return the usual model, with the smooth start of a simulated trial if that was not the usual one.
+
+    The smooth start belongs to what the joints were told, as the gait does; the joints' law is the fit's.
+    """
+    model = trial.scenario.model
+    if model is None or model.ramp is None:
+        return lc.Planar()  # recorded, or as usual
+    if model.ramp == model.joints.ramp:
+        return lc.Planar()
+    return lc.Planar(ramp=model.ramp)
 
 
 def _start_of(trial: lc.Trial, gait: lc.Gait) -> lc.Start:

@@ -428,14 +428,22 @@ def _common_model(
     measurements: Sequence[Measurement], model: Model | str | None = None, **changes: Any
 ) -> Model:
     """Return the model with which all measurements are simulated."""
-    models = [
-        model_of(model or measurement.scenario.model, **changes) for measurement in measurements
-    ]
+    models = [_model_of(measurement, model, **changes) for measurement in measurements]
     for measurement, own_model in zip(measurements, models, strict=True):
         if own_model != models[0]:
             rule = f"must all be of one model, got another one in `{measurement.name}`"
             raise BadArgument("measurements", rule)
     return models[0]
+
+
+def _model_of(measurement: Measurement, model: Model | str | None, **changes: Any) -> Model:
+    """Return the model with which a measurement is simulated; a model that is only named keeps its smooth start."""
+    own_model = measurement.scenario.model
+    if model is None:
+        return model_of(own_model, **changes)
+    if isinstance(model, str) and own_model.ramp is not None:
+        return model_of(model, **{"ramp": own_model.ramp, **changes})
+    return model_of(model, **changes)
 
 
 def _check_measurements(measurements: Sequence[Measurement]) -> tuple[Measurement, ...]:

@@ -28,6 +28,8 @@ from laticauda.values import BadArgument, check_choice
 
 _UNITS = UNITS | LOADS | SERIES
 """Units of all that can be measured, by name."""
+MOST_SHOWN = 4
+"""Estimates that one line shows."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,6 +101,14 @@ class Fit:
     """Warnings about the data."""
     doubt: Doubt | None = None
     """What the residuals say against model or noise; None if the stated noise can leave them."""
+
+    def __repr__(self) -> str:
+        """Return one line: what was identified, and from how many measurements."""
+        n_measurements = len(self.problem.measurements)
+        numbers = [f"{estimate.name} = {estimate.value:.4g}" for estimate in self.estimates]
+        if len(numbers) > MOST_SHOWN:
+            numbers[MOST_SHOWN:] = [f"{len(numbers) - MOST_SHOWN} more"]
+        return f"<Fit to {n_measurements} measurements: {', '.join(numbers)}>"
 
     def __getitem__(self, name: str) -> ParameterEstimate:
         """Return the estimate of an unknown by name."""
