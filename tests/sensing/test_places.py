@@ -7,7 +7,8 @@ import pytest
 from hypothesis import assume, given, settings, strategies as st
 
 import laticauda as lc
-from laticauda.sensing import Buoy, Dock, Net, Pipeline, Seabed, Wall, surroundings_of
+from laticauda.missions.navigation import Navigation
+from laticauda.sensing import Buoy, Compass, Dock, Net, Pipeline, Seabed, Wall, surroundings_of
 
 PLACES = (
     Net(name="pen", center=(4.0, 1.0), radius=1.6),
@@ -149,3 +150,20 @@ def test_the_outline_of_a_shape_is_what_is_seen_from_above(place, area):
 
 def test_the_bed_has_no_outline_since_it_is_everywhere():
     assert Seabed(depth=3.0).outlines() == ()
+
+
+@pytest.mark.parametrize(
+    ("build", "message"),
+    [
+        (
+            lambda: Dock(name="dock", capture_heading=50.0),
+            "`capture_heading` .*capture_heading_deg=50",
+        ),
+        (lambda: Compass(noise=5.0), "`noise` .*noise_deg=5"),
+        (lambda: Compass(bias=-10.0), "`bias` .*bias_deg=-10"),
+        (lambda: Navigation(beams=(90.0,)), "`beams` .*beams_deg=90"),
+    ],
+)
+def test_an_angle_that_was_meant_in_degrees_is_refused(build, message):
+    with pytest.raises(ValueError, match=message):
+        build()

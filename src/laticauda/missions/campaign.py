@@ -44,9 +44,11 @@ class Conditions:
         "m", "How far the start is off along each axis", ge=0.0, default=0.15
     )
     start_angle: float = quantity(
-        "rad", "How far the start is turned", ge=0.0, default=math.radians(10.0)
+        "rad", "How far the start is turned", ge=0.0, le=math.pi, default=math.radians(10.0)
     )
-    dropout: float = quantity("", "Share of all measurements that are lost", ge=0.0, default=0.05)
+    dropout: float = quantity(
+        "", "Share of all measurements that are lost", ge=0.0, le=1.0, default=0.05
+    )
     failing: tuple[str, ...] = option("Sensors of which one fails in every run", default=())
     fault_begin: float = quantity("s", "When it fails at the latest", gt=0.0, default=240.0)
     fault_duration: tuple[float, float] = quantity(

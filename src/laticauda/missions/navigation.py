@@ -85,7 +85,9 @@ class Navigation:
     swim_speed: float = quantity(
         "m/s", "Speed through the water, where no sensor tells it", gt=0.0, default=0.2
     )
-    beams: tuple[float, ...] = quantity("rad", "Directions of the sonar's beams", default=())
+    beams: tuple[float, ...] = quantity(
+        "rad", "Directions of the sonar's beams", ge=-math.pi, le=math.pi, default=()
+    )
     compass: str = option("Name of the compass", default="compass")
     inertial: str = option("Name of the inertial unit", default="inertial")
     ground_velocity: str = option("Name of the Doppler log over ground", default="velocity")

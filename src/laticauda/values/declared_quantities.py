@@ -79,7 +79,8 @@ class Quantity:
         if not lowest <= number <= highest:
             return ""
         degrees = math.degrees(number)
-        return f": {number:g} rad is {degrees:.4g} deg; did you mean {name}_deg={number:g}?"
+        field_name, _, _ = name.partition("[")
+        return f": {number:g} rad is {degrees:.4g} deg; did you mean {field_name}_deg={number:g}?"
 
     @property
     def in_display_unit(self) -> "Quantity":

@@ -32,7 +32,7 @@ class Dock(Place):
     length: float = quantity("m", "From the latch to the open end", gt=0.0, default=0.8)
     capture_radius: float = quantity("m", "How near the head must come", gt=0.0, default=0.15)
     capture_heading: float = quantity(
-        "rad", "How far its heading may be off", gt=0.0, default=math.radians(30.0)
+        "rad", "How far its heading may be off", gt=0.0, le=math.pi, default=math.radians(30.0)
     )
     capture_speed: float = quantity("m/s", "Largest speed at which it catches", gt=0.0, default=0.5)
 

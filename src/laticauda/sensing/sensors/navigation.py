@@ -17,8 +17,10 @@ class Compass(Sensor):
     """Heading of the head, with a bias that stays."""
 
     name: str = option("Name of its readings", default="compass")
-    noise: float = quantity("rad", "Standard deviation", ge=0.0, default=math.radians(1.0))
-    bias: float = quantity("rad", "Constant error", default=0.0)
+    noise: float = quantity(
+        "rad", "Standard deviation", ge=0.0, le=math.pi, default=math.radians(1.0)
+    )
+    bias: float = quantity("rad", "Constant error", ge=-math.pi, le=math.pi, default=0.0)
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -65,7 +67,7 @@ class AcousticPosition(Sensor):
     largest_range: float = quantity("m", "Nothing farther is heard", gt=0.0, default=100.0)
     range_noise: float = quantity("m", "Standard deviation of the distance", ge=0.0, default=0.05)
     angle_noise: float = quantity(
-        "rad", "Standard deviation of each angle", ge=0.0, default=math.radians(1.0)
+        "rad", "Standard deviation of each angle", ge=0.0, le=math.pi, default=math.radians(1.0)
     )
 
     @property
