@@ -90,6 +90,15 @@ def test_a_fit_begins_as_smoothly_as_the_trial_did(model):
     assert usual.scenario.model == lc.Planar()
 
 
+def test_trials_of_a_changed_robot_are_refused_by_what_may_have_changed_it():
+    joints = tuple(replace(joint, stiffness=0.5) for joint in ROBOT.joints)
+    changed = replace(ROBOT, joints=joints)
+    measurement = from_trial(lc.swim(changed, GAIT, 1.0), name="a", figures={"x": 0.1})
+    message = "modules or joints are not those of .*: one of the two was changed, as by identified"
+    with pytest.raises(ValueError, match=message):
+        make_problem([measurement], ["water.normal_drag"], ROBOT)
+
+
 def test_trials_that_began_in_different_ways_are_not_fitted_as_one():
     measurements = [
         from_trial(lc.swim(ROBOT, GAIT, 1.0, ramp=ramp), name=f"{ramp}", figures={"x": 0.1})

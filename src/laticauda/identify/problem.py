@@ -469,4 +469,9 @@ def _check_one_body(measurements: Sequence[Measurement], body: Robot) -> None:
         if robot.modules != body.modules or robot.joints != body.joints:
             rule = f"must be of one body, with or without fin; `{measurement.name}` is of robot"
             reason = f"`{robot.name}`, whose modules or joints are not those of `{body.name}`"
+            if robot.name == body.name:
+                reason += (
+                    ": one of the two was changed, as by identified parameters; without `robot`, "
+                    "that of the first trial counts"
+                )
             raise BadArgument("measurements", f"{rule} {reason}")
