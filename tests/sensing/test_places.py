@@ -161,7 +161,7 @@ def test_the_bed_has_no_outline_since_it_is_everywhere():
         ),
         (lambda: Compass(noise=5.0), "`noise` .*noise_deg=5"),
         (lambda: Compass(bias=-10.0), "`bias` .*bias_deg=-10"),
-        (lambda: Navigation(beams=(90.0,)), "`beams` .*beams_deg=90"),
+        (lambda: Navigation(beams=(90.0,)), r"`beams\[0\]` .*beams_deg=90"),
     ],
 )
 def test_an_angle_that_was_meant_in_degrees_is_refused(build, message):
