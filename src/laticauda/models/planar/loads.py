@@ -179,7 +179,7 @@ def added_mass_velocity_terms(S, b):
     """
     if HAS_FLOW:
         return element_inertia(S, b, b + CENTER)
-    if first_lane(S[IS_STILL].real) > 0.0:
+    if is_known_still(S):
         return still_velocity_terms(S, b, S[b + V_T], S[b + V_N], S[b + LINK_RATE])
     c, s = S[b + COS], S[b + SIN]
     V_t = c * S[CURRENT_X] + s * S[CURRENT_Y]
@@ -224,6 +224,12 @@ def is_still(S):
     for row, value in STILL_WATER:
         differs |= any_lane((S[row].real != value) | (S[row].imag != 0.0))
     return not differs
+
+
+@kernel
+def is_known_still(S):
+    """Return whether a run has found that the water is still in all lanes."""
+    return first_lane(S[IS_STILL].real) > 0.0
 
 
 @kernel

@@ -8,6 +8,7 @@ here. Only a formula that is called anew, or elsewhere, must be told to `adjoint
 # pyright: reportUnknownLambdaType=false, reportUnknownArgumentType=false
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 from laticauda.compiling.formulas import digest_of
@@ -63,7 +64,10 @@ class _Formulas:
         of_drives = {"drives": TEMPLATES["drives"]}
         names_of_loads = {"n_lanes": 1, "drag_law": drag_law, "flow_parts": ()}
         names_of_drives = {"n_lanes": 1, "joint_law": None}
-        self.recursion: Any = specialized(PACKAGE, of_loads, names_of_loads, TRACING)
+        # Going backward gives the slopes by the current, too, so no term of it may be left out.
+        replacements: dict[str, Any] = {**TRACING.replacements, "is_known_still": lambda S: False}
+        of_any_current = replace(TRACING, replacements=replacements, functions={})
+        self.recursion: Any = specialized(PACKAGE, of_loads, names_of_loads, of_any_current)
         self.loads: Any = self.recursion.loads
         self.drives: Any = specialized(PACKAGE, of_drives, names_of_drives, TRACING)
         self.shared: Any = self.drives.shared
