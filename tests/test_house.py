@@ -205,11 +205,12 @@ def imports(tree: ast.AST) -> Iterator[tuple[str, str]]:
                 yield module, ""
             case ast.Call(func=ast.Name(id="hardware"), args=[_, ast.Constant(value=str(module))]):
                 yield module, "hardware"
-            case ast.Call(
-                func=ast.Name(id="optional_import"),
-                args=[_, package, ast.Constant(value=str(extra)), *module],
-            ):
-                match module[0] if module else package:
+            case ast.Call(func=ast.Name(id="optional_import"), args=positional, keywords=named):
+                names = ("feature", "package", "extra", "module")
+                given = dict(zip(names, positional, strict=False))
+                given |= {keyword.arg: keyword.value for keyword in named}
+                extra = ast.literal_eval(given["extra"])
+                match given.get("module", given["package"]):
                     case (
                         ast.Constant(value=str(name))
                         | ast.JoinedStr(values=[ast.Constant(value=str(name)), *_])
