@@ -1,6 +1,7 @@
 """Keeping clear of what the sonar has seen: courses that pass it, and a turn away if it is too near ahead."""
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from laticauda.missions.estimate import Estimate
@@ -75,13 +76,13 @@ class Avoidance:
             estimate: What the robot believes.
         """
         sectors = self._blocked_sectors(estimate)
-        if not any(sector.blocks(course) for sector in sectors):
+        if _is_free(course, sectors):
             return course
         free_courses: list[float] = []
         for sector in sectors:
             for side in (-1.0, 1.0):
                 edge = sector.middle + side * (sector.half_width + MARGIN)
-                if not any(other.blocks(edge) for other in sectors):
+                if _is_free(edge, sectors):
                     free_courses.append(edge)
         if not free_courses:
             return course
@@ -122,3 +123,8 @@ class Avoidance:
             return None
         nearest = min(too_near, key=lambda echo: echo.distance)
         return Steering(offset=-math.copysign(math.inf, nearest.bearing))
+
+
+def _is_free(course: float, sectors: Sequence[Sector]) -> bool:
+    """Return whether no sector blocks a course."""
+    return not any(sector.blocks(course) for sector in sectors)

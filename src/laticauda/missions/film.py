@@ -177,7 +177,9 @@ class _Picture:
         x, y = self._trial.center_of_mass[:n_passed, :2].T
         for phase, line in enumerate(self._ways):
             is_in_phase = self._phases[:n_passed] == phase
-            line.set_data(np.where(is_in_phase, x, np.nan), np.where(is_in_phase, y, np.nan))
+            shown_x = np.where(is_in_phase, x, np.nan)
+            shown_y = np.where(is_in_phase, y, np.nan)
+            line.set_data(shown_x, shown_y)
         believed_x = self._trial.signals["believed_x"][:n_passed]
         believed_y = self._trial.signals["believed_y"][:n_passed]
         self._believed_way.set_data(believed_x, believed_y)

@@ -3,7 +3,7 @@
 # matplotlib's own annotations are partial; this package passes on typed figures and axes.
 # pyright: reportUnknownMemberType=false
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -119,11 +119,34 @@ def add_times(figure: Figure, result: MissionResult) -> Axes:
 def _draw_phases_over_time(ax: Axes, result: MissionResult) -> None:
     """Draw a bar from 0 with a piece for every phase, in its color; long ones with its name."""
     names = mission_of(result.trial.scenario).phase_names
-    begins = [0.0, *(change.time for change in result.changes)]
-    ends = [*begins[1:], result.duration]
-    phases = [names[0], *(change.after for change in result.changes)]
-    for name, begin, end in zip(phases, begins, ends, strict=True):
-        duration = end - begin
-        ax.barh(0.0, duration, 1.0, begin, color=color_of_phase(names.index(name)))
+    for span in _spans_of_phases(result):
+        duration = span.end - span.begin
+        color = color_of_phase(names.index(span.phase))
+        ax.barh(0.0, duration, 1.0, span.begin, color=color)
         if duration > WIDE_ENOUGH * result.duration:
-            ax.text(begin + 0.5 * duration, -0.03, name, **NAME_OF_PHASE)
+            middle = span.begin + 0.5 * duration
+            ax.text(middle, -0.03, span.phase, **NAME_OF_PHASE)
+
+
+class _PhaseSpan(NamedTuple):
+    """A phase from its begin to its end."""
+
+    phase: str
+    """Its name."""
+    begin: float
+    """When it begins [s]."""
+    end: float
+    """When it ends [s]."""
+
+
+def _spans_of_phases(result: MissionResult) -> list[_PhaseSpan]:
+    """Return the phases of a run in order."""
+    spans: list[_PhaseSpan] = []
+    phase = mission_of(result.trial.scenario).phase_names[0]
+    begin = 0.0
+    for change in result.changes:
+        spans.append(_PhaseSpan(phase, begin, change.time))
+        phase = change.after
+        begin = change.time
+    spans.append(_PhaseSpan(phase, begin, result.duration))
+    return spans

@@ -191,11 +191,14 @@ def judge_mission(trial: Trial, planned_duration: float) -> MissionResult:
     error_y = trial.signals["believed_y"] - trial.center_of_mass[:, 1]
     is_known = trial.signals["believed_std"] < 1.0
     errors = np.hypot(error_x, error_y)[is_known]
+    largest_error = math.nan
+    if errors.size:
+        largest_error = float(np.max(errors))
     return MissionResult(
         trial=trial,
         changes=read_changes(trial),
         is_docked=has_dock and float(trial.time[-1]) < planned_duration - 1e-9,
         clearance=measure_clearance(trial),
         share_seen=share_seen,
-        largest_error=float(np.max(errors)) if errors.size else math.nan,
+        largest_error=largest_error,
     )

@@ -255,9 +255,9 @@ class Optimization(Limits):
         for scenario in self.bodies_at(points):
             masses.append(ballasted_masses(scenario.robot, scenario.environment.density))
         n_modules = self.scenario.robot.n_links
-        names_of_masses = (f"robot.module[{i}].mass" for i in range(n_modules))
-        names = (*(self.names[i] for i in unchanged), *names_of_masses)
-        return Swum(names, np.column_stack((points[:, unchanged], masses)))
+        names = [self.names[i] for i in unchanged]
+        names += [f"robot.module[{module}].mass" for module in range(n_modules)]
+        return Swum(tuple(names), np.column_stack((points[:, unchanged], masses)))
 
     def bodies_at(self, points: Table) -> list[Any]:
         """Return scenarios with the robots of some points, without ballast and with the gait as it is.

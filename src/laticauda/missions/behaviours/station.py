@@ -184,7 +184,9 @@ class Hover(Behaviour[HoverState]):
     def begin(self, estimate: Estimate) -> HoverState:
         """Return the state at `estimate`, when the phase begins."""
         heading = estimate.heading_now
-        heading_ref = heading if self.heading is None else self.heading
+        heading_ref = heading
+        if self.heading is not None:
+            heading_ref = self.heading
         return HoverState(
             began_at=estimate.time,
             time=estimate.time,

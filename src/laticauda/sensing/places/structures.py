@@ -53,7 +53,7 @@ class Net(Place):
     def corners(self) -> tuple[tuple[float, float], ...]:
         """Its corners in plan, counter-clockwise [m]."""
         x, y = self.center
-        angles = [2.0 * math.pi * k / self.panels for k in range(self.panels)]
+        angles = [2.0 * math.pi * panel / self.panels for panel in range(self.panels)]
         return tuple(
             (x + self.radius * math.cos(angle), y + self.radius * math.sin(angle))
             for angle in angles

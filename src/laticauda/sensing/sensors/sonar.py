@@ -55,7 +55,7 @@ class Sonar(Sensor):
     @property
     def columns(self) -> tuple[str, ...]:
         """See `Sensor`."""
-        return tuple(f"range_{k}" for k in range(len(self.beams)))
+        return tuple(f"range_{beam}" for beam in range(len(self.beams)))
 
     @cached_property
     def _rays(self) -> Float[np.ndarray, "n_rays 3"]:
