@@ -49,7 +49,7 @@ def test_an_exported_fmu_swims_in_fmpy_as_the_command_swims(run, folder):
         "export fmu --output robot.fmu --robot mamba-fin --gait eel-like --normal-drag 1.5 --heading-deg 90"
     )
     assert done.status == 0
-    assert done.out.startswith("robot.fmu: mamba-fin, 23 parameters, 6 inputs, 53 outputs (")
+    assert done.out.startswith("robot.fmu: mamba-fin, 84 parameters, 6 inputs, 53 outputs (")
     seen = fmpy.simulate_fmu(str(folder / "robot.fmu"), stop_time=5.0, output_interval=0.05)
     options = "--robot mamba-fin --gait eel-like --normal-drag 1.5 --heading-deg 90 --duration 5"
     assert run(f"swim {options} --save run.nc").status == 0
@@ -68,7 +68,7 @@ def test_an_exported_fmu_takes_parameters_and_references(run, folder):
         "n_links": 9,
         "mass": lc.load_robot("mamba").mass,
         "length": lc.load_robot("mamba").length,
-        "n_parameters": 21,
+        "n_parameters": 138,
         "n_inputs": 10,
         "n_outputs": 55,
     }
