@@ -438,7 +438,7 @@ def test_a_scenario_is_a_file_that_options_change(run):
     refused = run("swim run.toml --pitch-amplitude-deg 3")
     assert (
         refused.status,
-        "--pitch-... must be None unless `model` is `spatial`" in refused.err,
+        "--pitch-... must be None unless --model is `spatial`" in refused.err,
     ) == (2, True)
 
 
