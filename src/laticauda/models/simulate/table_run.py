@@ -102,31 +102,24 @@ def run_columns(
     duration, sample_interval = scenario.duration, scenario.sample_interval
     if isinstance(scenario.motion, Gait):
         table = make_run_table(scenario, columns)
-        if with_loads:
-            kept_loads = KeptLoads(len(table), with_series=with_load_series)
-            return run_with_peaks(
-                _list_runs(table),
+        if not with_loads:
+            return run_table(
+                table,
                 duration,
                 sample_interval,
                 threads=threads,
                 progress=progress,
                 with_peaks=with_peaks,
-                kept_loads=kept_loads,
             )
-        return run_table(
-            table,
-            duration,
-            sample_interval,
-            threads=threads,
-            progress=progress,
-            with_peaks=with_peaks,
-        )
-    points = np.stack(list(columns.values()), axis=1)
+        runs = _list_runs(table)
+    else:
+        points = np.stack(list(columns.values()), axis=1)
+        runs = runs_of(scenarios_at(scenario, tuple(columns), points), steered=True)
     kept_loads = None
     if with_loads:
-        kept_loads = KeptLoads(len(points), with_series=with_load_series)
+        kept_loads = KeptLoads(len(runs), with_series=with_load_series)
     return run_with_peaks(
-        runs_of(scenarios_at(scenario, tuple(columns), points), steered=True),
+        runs,
         duration,
         sample_interval,
         threads=threads,
