@@ -31,7 +31,7 @@ from laticauda.control.neural.network import (
     Signals,
 )
 from laticauda.robot import Robot
-from laticauda.scenarios import Observation, Observations, VectorController
+from laticauda.scenarios import VectorController
 from laticauda.values import BadArgument, quantity, value_class
 
 Pairs = Float[np.ndarray, "2 ... n_joints"]
@@ -81,31 +81,10 @@ class HalfCenters(NeuralGait[Neurons]):
         """Reject a `robot` that neurons cannot move, and neurons that are faster than their steps."""
         super().check(robot)
         if self.steering is None:  # which may ask for another frequency
-            self._check_frequency(self.drive(None, robot.n_joints))
+            self.check_drive(self.drive(None, robot.n_joints))
 
-    def advance(
-        self,
-        neurons: Neurons,
-        drive: Drive,
-        observation: Observation | Observations,
-        elapsed: float,
-    ) -> Neurons:
-        """Return the neurons some time later, moved in steps that are short enough.
-
-        Args:
-            neurons: The neurons.
-            drive: What is asked of them.
-            observation: What the robot feels, or what many robots feel.
-            elapsed: The time [s].
-
-        Raises:
-            ValueError: If neurons are faster than their steps can follow.
-        """
-        self._check_frequency(drive)
-        return super().advance(neurons, drive, observation, elapsed)
-
-    def _check_frequency(self, drive: Drive) -> None:
-        """Reject neurons that stand still, run backward, or are faster than their steps.
+    def check_drive(self, drive: Drive) -> None:
+        """Reject a `drive` at which neurons stand still, run backward, or are faster than their steps.
 
         Where both neurons of a joint are active, excitation decays at up to p / tau, or swings at up
         to sqrt((p + b) / 2) / tau; the midpoint rule follows a swing in steps half as long.

@@ -325,6 +325,16 @@ class NeuralGait(Controller[NetworkState[Neurons]], Generic[Neurons]):
             offset=offset,
         )
 
+    def check_drive(self, drive: Drive) -> None:
+        """Reject what neurons cannot follow in their steps; here they follow everything.
+
+        Args:
+            drive: What is asked of them.
+
+        Raises:
+            ValueError: If they cannot follow it.
+        """
+
     def advance(
         self,
         neurons: Neurons,
@@ -341,8 +351,9 @@ class NeuralGait(Controller[NetworkState[Neurons]], Generic[Neurons]):
             elapsed: The time [s].
 
         Raises:
-            ValueError: If feedback pulls phases faster than their steps can follow.
+            ValueError: If neurons, or the pull of feedback, are faster than their steps can follow.
         """
+        self.check_drive(drive)
         felt = np.zeros(drive.amplitude.shape)
         if self.feedback:
             felt = self.feedback.felt(observation)
