@@ -15,8 +15,31 @@ from operator import attrgetter
 from typing import Any, NamedTuple
 
 import laticauda as lc
-from laticauda.connect.native import link_formulas as formulas
 from laticauda.connect.native.joint_rows import first_row_of_body, list_body_joints
+from laticauda.connect.native.link_formulas import (
+    ADDED_INERTIA_AT,
+    ADDED_MASS_AT,
+    CENTER_AT,
+    DENSITY,
+    DRAG_AT,
+    FIRST_ROW,
+    FRICTION_AT,
+    HALF_HEIGHT_AT,
+    HALF_WIDTH_AT,
+    HAS_WAKE,
+    INERTIA_AT,
+    IS_CLASSIC,
+    IS_IN_STRIPS,
+    LENGTH_AT,
+    MASS_AT,
+    N_ATTACHED,
+    N_BODIES,
+    N_LINKS,
+    NONE,
+    NUMBERS,
+    RECORDS,
+    TANGENTIAL,
+)
 from laticauda.connect.native.variable import Variable, one_row, unit_of
 from laticauda.models.planar import PlanarPlant, rows
 from laticauda.motion.joints import Drive
@@ -27,16 +50,16 @@ from laticauda.water.fluid.sections import Link
 COVERED = 1.0 - 1e-9
 """Largest share of the depth that a half-height may have: the surface lies above it [-]."""
 MODULE_PLACES = {
-    "length": formulas.LENGTH_AT,
-    "mass": formulas.MASS_AT,
-    "center": formulas.CENTER_AT,
-    "inertia": formulas.INERTIA_AT,
-    "section.half_height": formulas.HALF_HEIGHT_AT,
-    "section.half_width": formulas.HALF_WIDTH_AT,
-    "tangential_friction": formulas.FRICTION_AT,
-    "normal_drag": formulas.DRAG_AT,
-    "added_mass": formulas.ADDED_MASS_AT,
-    "added_inertia": formulas.ADDED_INERTIA_AT,
+    "length": LENGTH_AT,
+    "mass": MASS_AT,
+    "center": CENTER_AT,
+    "inertia": INERTIA_AT,
+    "section.half_height": HALF_HEIGHT_AT,
+    "section.half_width": HALF_WIDTH_AT,
+    "tangential_friction": FRICTION_AT,
+    "normal_drag": DRAG_AT,
+    "added_mass": ADDED_MASS_AT,
+    "added_inertia": ADDED_INERTIA_AT,
 }
 """Paths to the numbers of a module, and their places in a record of `link_formulas`."""
 WATER_FIELDS = ("tangential_friction", "normal_drag", "added_mass", "added_inertia")
@@ -90,9 +113,9 @@ def _is_fixed(place: int, plant: PlanarPlant) -> bool:
     has_plates = water.plate_drag is not None or water.plate_added_mass is not None
     if plant.robot.caudal_fin is not None and water.trailing_edge == "finite-span":
         has_plates = True
-    if place == formulas.LENGTH_AT:
+    if place == LENGTH_AT:
         return has_plates or water.friction_taper != 0.0
-    return has_plates and place in (formulas.HALF_HEIGHT_AT, formulas.HALF_WIDTH_AT)
+    return has_plates and place in (HALF_HEIGHT_AT, HALF_WIDTH_AT)
 
 
 class _Range(NamedTuple):
@@ -105,9 +128,9 @@ class _Range(NamedTuple):
 def _range_of(place: int, module: Module, plant: PlanarPlant) -> _Range:
     """Return which values of a number can be those of this module in this water."""
     depth: float | None = getattr(plant.environment, "depth", None)
-    if place == formulas.CENTER_AT:
+    if place == CENTER_AT:
         return _Range(-module.half_length, module.half_length)
-    if place == formulas.HALF_HEIGHT_AT and depth is not None:
+    if place == HALF_HEIGHT_AT and depth is not None:
         return _Range(most=COVERED * depth)
     return _Range()
 
@@ -181,7 +204,7 @@ def build_link_table(plant: PlanarPlant, variables: Sequence[Variable]) -> LinkT
     """
     variable_numbers = {variable.name: number for number, variable in enumerate(variables)}
     if not any(name.startswith("robot.module[") for name in variable_numbers):
-        return LinkTable(places=[0] * formulas.RECORDS, numbers=[])
+        return LinkTable(places=[0] * RECORDS, numbers=[])
     robot = plant.robot
     water = plant.environment
     layout = plant.layout
@@ -191,18 +214,18 @@ def build_link_table(plant: PlanarPlant, variables: Sequence[Variable]) -> LinkT
         depth = math.inf
     attached = _list_attached(plant)
     header = {
-        formulas.N_LINKS: robot.n_links,
-        formulas.FIRST_ROW: first_row_of_body(layout.tail_link),
-        formulas.N_BODIES: layout.n_bodies,
-        formulas.DENSITY: variable_numbers["water.density"],
-        formulas.TANGENTIAL: variable_numbers["water.tangential_added_mass"],
-        formulas.IS_IN_STRIPS: water.rotational == "strip",
-        formulas.IS_CLASSIC: water.added_mass_form == "classic",
-        formulas.HAS_WAKE: _is_wake_of_tail_module(robot, water),
-        formulas.NUMBERS: 0,
-        formulas.N_ATTACHED: len(attached),
+        N_LINKS: robot.n_links,
+        FIRST_ROW: first_row_of_body(layout.tail_link),
+        N_BODIES: layout.n_bodies,
+        DENSITY: variable_numbers["water.density"],
+        TANGENTIAL: variable_numbers["water.tangential_added_mass"],
+        IS_IN_STRIPS: water.rotational == "strip",
+        IS_CLASSIC: water.added_mass_form == "classic",
+        HAS_WAKE: _is_wake_of_tail_module(robot, water),
+        NUMBERS: 0,
+        N_ATTACHED: len(attached),
     }
-    places = [int(header[place]) for place in range(formulas.RECORDS)]
+    places = [int(header[place]) for place in range(RECORDS)]
     numbers = [robot.mass, depth]
     for record in _list_records(plant, water, variable_numbers):
         places += record.variables
@@ -241,7 +264,7 @@ def _list_records(
         own_numbers: list[int] = []
         for path in MODULE_PLACES:
             name = f"robot.module[{index}].{path}"
-            own_numbers.append(variable_numbers.get(name, formulas.NONE))
+            own_numbers.append(variable_numbers.get(name, NONE))
         coefficients = _coefficients_of(links[index])
         at_zero = _coefficients_of(links_at_zero[index])
         at_one = _coefficients_of(links_at_one[index])
@@ -251,9 +274,7 @@ def _list_records(
             multiple = high - low
             multiples.append(multiple)
             follows_water = multiple != 0.0
-            water_numbers.append(
-                variable_numbers[f"water.{field}"] if follows_water else formulas.NONE
-            )
+            water_numbers.append(variable_numbers[f"water.{field}"] if follows_water else NONE)
         section = module.section
         yield _Record(
             variables=[*own_numbers, *water_numbers],

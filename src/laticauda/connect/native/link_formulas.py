@@ -46,7 +46,7 @@ from laticauda.models.planar.rows import (
     THRUST_N,
     WAKE_MASS,
 )
-from laticauda.water.fluid import sections
+from laticauda.water.fluid.sections import Link, link_loads, surface_factor
 
 NONE = -1
 """In place of the number of a variable: there is none."""
@@ -103,7 +103,7 @@ OWN = {"_nrt": False}
 
 
 class Module(NamedTuple):
-    """Numbers of a module, and the coefficients of the water on it."""
+    """Numbers of a module."""
 
     length: float
     """2 l [m]."""
@@ -113,20 +113,10 @@ class Module(NamedTuple):
     """Center of mass from mid-length towards the head [m]."""
     inertia: float
     """J about the center of mass [kg m^2]."""
-    half_height: float
-    """a [m]."""
-    half_width: float
-    """b [m]."""
-    friction: float
-    """C_f [-]."""
-    drag: float
-    """C_D [-]."""
-    added_mass: float
-    """C_A [-]."""
-    added_inertia: float
-    """C_M [-]."""
     volume: float
     """Displaced volume [m^3]."""
+    link: Link
+    """Its size and the coefficients of the water on it."""
 
 
 class Water(NamedTuple):
@@ -145,8 +135,8 @@ class Water(NamedTuple):
 
 
 _inner = functools.partial(inlined, **OWN)
-_link_loads = _inner(sections.link_loads)
-_surface_factor = _inner(sections.surface_factor)
+_link_loads = _inner(link_loads)
+_surface_factor = _inner(surface_factor)
 
 
 @_inner
@@ -192,39 +182,28 @@ def _module(whole, real, record, v, is_new):
     half_height = _number(whole, real, record, HALF_HEIGHT_AT, v, is_new)
     half_width = _number(whole, real, record, HALF_WIDTH_AT, v, is_new)
     area = real[reals + 2 * N_NUMBERS - FIRST_COEFFICIENT] * half_height * half_width
-    return Module(
-        length,
-        mass,
-        _number(whole, real, record, CENTER_AT, v, is_new),
-        inertia,
+    link = Link(
+        0.5 * length,
         half_height,
         half_width,
         _number(whole, real, record, FRICTION_AT, v, is_new),
         _number(whole, real, record, DRAG_AT, v, is_new),
         _number(whole, real, record, ADDED_MASS_AT, v, is_new),
         _number(whole, real, record, ADDED_INERTIA_AT, v, is_new),
-        area * length,
     )
+    center = _number(whole, real, record, CENTER_AT, v, is_new)
+    return Module(length, mass, center, inertia, area * length, link)
 
 
 @_inner
 def _add_module(rows, first_row, module, water, sign):
     """Add what a module contributes to the rows of its link, or take it off; shares of mass are masses here."""
-    half_length = 0.5 * module.length
-    link = sections.Link(
-        half_length,
-        module.half_height,
-        module.half_width,
-        module.friction,
-        module.drag,
-        module.added_mass,
-        module.added_inertia,
-    )
+    half_length = module.link.half_length
     loads = _link_loads(
-        link,
+        module.link,
         water.density,
         water.tangential_added_mass,
-        _surface_factor(module.half_height, water.depth),
+        _surface_factor(module.link.half_height, water.depth),
         water.is_in_strips,
     )
     arm = half_length + module.center
@@ -262,17 +241,19 @@ def _add_module(rows, first_row, module, water, sign):
 @_inner
 def _wake_mass(module, water):
     """Return the added mass per length that a tail leaves behind."""
-    slender = water.density * np.pi * module.added_mass * module.half_height**2
-    return slender * _surface_factor(module.half_height, water.depth)
+    half_height = module.link.half_height
+    slender = water.density * np.pi * module.link.added_mass * half_height**2
+    return slender * _surface_factor(half_height, water.depth)
 
 
 @_inner
 def _scale_shares(whole, places, rows, factor):
     """Multiply the shares that bodies have in the robot's mass, fins included."""
-    for body in range(whole[places + N_BODIES]):
-        first_row = HEADER_ROWS + body * BODY_ROWS
+    first_row = HEADER_ROWS
+    for _ in range(whole[places + N_BODIES]):
         rows[first_row + MASS_SHARE] *= factor
         rows[first_row + FIRST_MOMENT_SHARE] *= factor
+        first_row += BODY_ROWS
 
 
 @_inner

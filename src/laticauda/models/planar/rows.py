@@ -161,9 +161,8 @@ SIN_PHASE = _header.take()
 COS_PHASE = _header.take()
 SIN_SHIFT = _header.take()
 COS_SHIFT = _header.take()
-IS_STILL = (
-    _header.take()
-)  # 1 if the water is still and the form the relative one, see `STILL_WATER`
+# 1 if the water is still and the form the relative one, see `STILL_WATER`
+IS_STILL = _header.take()
 KNOT = _header.take()  # last knot of the recording before the current time
 DECAY = _header.take()  # decay of the generator's filters over one of its steps
 STAGE_DECAYS = _header.take(JOINT_STAGES)  # the same from the begin of a step to its stages
