@@ -6,11 +6,21 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from laticauda import Wave, eel_like, load_robot
+import laticauda as lc
+from laticauda import Wave, build_scenario, eel_like, load_robot
+from laticauda.control.following import Following
+from laticauda.control.offset_steps import OffsetSteps
 from laticauda.models.simulate import build_plant
 from laticauda.motion.gaits import Generator
 from laticauda.robot import Joint, load_water
-from laticauda.scenarios.interfaces import Command, Observation, Resumed, Start
+from laticauda.scenarios.interfaces import (
+    Command,
+    Controller,
+    Observation,
+    OpenLoop,
+    Resumed,
+    Start,
+)
 from laticauda.sensing import HeadMotion
 
 GAIT = eel_like(
@@ -169,3 +179,66 @@ def _parts(value):
 def test_a_state_to_go_on_from_is_arrays_by_name():
     with pytest.raises(ValueError, match="`state` must be of class Mapping, got ndarray"):
         Resumed(state=np.zeros(3))
+
+
+class Holds(Controller[None]):
+    """A controller of the user's own, whose fields nobody has declared."""
+
+    gait = GAIT
+
+    def init(self) -> None:
+        return None
+
+    def step(self, state: None, observation: Observation) -> tuple[None, Command]:
+        return None, Command(gait=GAIT)
+
+
+@pytest.mark.parametrize("interval", [1e-9, 0.0, -1.0, math.nan, None, "0.05"])
+def test_controllers_whose_instants_cannot_follow_one_another_are_refused(interval):
+    controller = Holds()
+    controller.interval = interval
+    with pytest.raises(ValueError, match=r"`motion.interval` must be .* s, between two control"):
+        build_scenario("mamba", controller, 1.0, joints="servo")
+
+
+def test_a_controller_without_an_interval_is_refused():
+    with pytest.raises(ValueError, match=r"`motion.interval` must be a number in s, .* got None"):
+        build_scenario("mamba", Holds(), 1.0, joints="servo")
+
+
+@pytest.mark.parametrize(
+    "build",
+    [
+        lambda interval: OpenLoop(command=Command(gait=GAIT), interval=interval),
+        lambda interval: OffsetSteps(gait=GAIT, interval=interval),
+        lambda interval: Following(interval=interval),
+    ],
+)
+def test_every_controller_of_the_package_has_the_same_shortest_interval(build):
+    with pytest.raises(ValueError, match=r"`interval` must be >= 0.0001 s, got 1e-09"):
+        build(1e-9)
+    assert build(1e-4).interval == 1e-4
+
+
+@pytest.mark.parametrize("many", [False, True])
+def test_a_step_that_returns_a_command_alone_is_named(many):
+    class Forgets(Holds):
+        interval = 0.05
+
+        def step(self, state, observation):
+            return Command(gait=GAIT)
+
+    scenario = build_scenario("mamba", Forgets(), 1.0, joints="servo")
+    with pytest.raises(ValueError, match=r"`motion.step` must return two things, .* got Command"):
+        if many:
+            lc.swim_many([scenario])
+        lc.swim(scenario)
+
+
+def test_a_controller_without_a_first_state_says_which_method_it_lacks():
+    class Bare(Controller[None]):
+        gait = GAIT
+        interval = 0.05
+
+    with pytest.raises(NotImplementedError, match="controller Bare must have a method `init`"):
+        lc.swim(build_scenario("mamba", Bare(), 1.0, joints="servo"))

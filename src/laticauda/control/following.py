@@ -12,6 +12,7 @@ from laticauda.control.frames import Path
 from laticauda.control.guidance import Guidance, HeadingController, IntegralLineOfSight, LineOfSight
 from laticauda.control.paths import Circle, Polyline, Spline, StraightLine
 from laticauda.motion.gaits import Gait
+from laticauda.scenarios import SHORTEST_INTERVAL
 from laticauda.values import BadArgument, option, quantity, value_class
 
 LEVEL = 1.0
@@ -66,7 +67,9 @@ class Following(Course):
     heading_estimate: Literal["raw", "cycle_mean"] = option(
         "raw, or cycle_mean over the last cycle", default="raw"
     )
-    interval: float = quantity("s", "time between two control instants", gt=0.0, default=0.05)
+    interval: float = quantity(
+        "s", "time between two control instants", ge=SHORTEST_INTERVAL, default=0.05
+    )
     observer: current.CurrentObserver | None = option(
         "observer of the current, which lets the robot point upstream; None: no observer",
         default=None,

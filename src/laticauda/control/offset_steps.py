@@ -5,7 +5,7 @@ from collections.abc import Mapping
 
 from laticauda.motion.gaits import Gait
 from laticauda.robot import Robot
-from laticauda.scenarios import Command, Controller, Observation
+from laticauda.scenarios import SHORTEST_INTERVAL, Command, Controller, Observation
 from laticauda.values import BadArgument, option, quantity, value_class
 
 OFFSETS = tuple(math.radians(degrees) for degrees in (0.0, 5.0, -10.0, 15.0, -5.0, 0.0))
@@ -27,7 +27,9 @@ class OffsetSteps(Controller[int]):
     offsets: tuple[float, ...] = quantity(
         "rad", "Offsets in order; the last one is kept", default=OFFSETS
     )
-    interval: float = quantity("s", "Time for which each is held", default=12.0, gt=0.0)
+    interval: float = quantity(
+        "s", "Time for which each is held", default=12.0, ge=SHORTEST_INTERVAL
+    )
 
     def __post_init__(self) -> None:
         """Check every field once."""

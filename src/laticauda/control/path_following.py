@@ -15,7 +15,13 @@ from laticauda.control.frames import Path
 from laticauda.control.guidance import Guidance, HeadingController, HeadingEstimate, HeadingWindow
 from laticauda.motion import gaits
 from laticauda.robot import Robot
-from laticauda.scenarios import Command, Controller, Observation, VectorController
+from laticauda.scenarios import (
+    SHORTEST_INTERVAL,
+    Command,
+    Controller,
+    Observation,
+    VectorController,
+)
 from laticauda.values import (
     BadArgument,
     angles,
@@ -96,7 +102,9 @@ class PathFollowing(Controller[PathFollowingState]):
         "Heading that is used: raw (6), with the gait's ripple, or cycle_mean, over the last gait period",
         default="raw",
     )
-    interval: float = quantity("s", "Time between two control instants", default=0.05, gt=0.0)
+    interval: float = quantity(
+        "s", "Time between two control instants", ge=SHORTEST_INTERVAL, default=0.05
+    )
     observer: CurrentObserver | None = option(
         "Observer of the current, to point upstream; None: none", default=None
     )

@@ -14,7 +14,7 @@ from laticauda.missions.phases import Phase, Transition
 from laticauda.missions.steering import Helm, Steering
 from laticauda.motion.gaits import Gait
 from laticauda.robot import Robot
-from laticauda.scenarios import Command, Controller, Observation
+from laticauda.scenarios import SHORTEST_INTERVAL, Command, Controller, Observation
 from laticauda.values import BadArgument, check_positive, option, quantity, value_class
 
 
@@ -69,7 +69,9 @@ class Mission(Controller[MissionState]):
     depth_keeping: DepthKeeping = option(
         "How it holds the depth of a phase", default=DepthKeeping()
     )
-    interval: float = quantity("s", "Time between two control instants", gt=0.0, default=0.2)
+    interval: float = quantity(
+        "s", "Time between two control instants", ge=SHORTEST_INTERVAL, default=0.2
+    )
 
     def __post_init__(self) -> None:
         """Reject tables with phases that are missing or named twice."""

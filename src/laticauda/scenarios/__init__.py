@@ -95,8 +95,10 @@ if TYPE_CHECKING:
         Observation as Observation,
         OpenLoop as OpenLoop,
         Resumed as Resumed,
+        SHORTEST_INTERVAL as SHORTEST_INTERVAL,
         Start as Start,
         check_waves as check_waves,
+        decide as decide,
         fin_signals as fin_signals,
     )
 
@@ -152,8 +154,10 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "Observation",
             "OpenLoop",
             "Resumed",
+            "SHORTEST_INTERVAL",
             "Start",
             "check_waves",
+            "decide",
             "fin_signals",
         ],
         "laticauda.scenarios.plausibility": [

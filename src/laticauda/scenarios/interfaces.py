@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar, cast
 
 import numpy as np
 from jaxtyping import Float
@@ -20,6 +20,7 @@ from laticauda.values import (
     make_quickly,
     option,
     quantity,
+    show_value,
     value_class,
 )
 
@@ -29,6 +30,11 @@ if TYPE_CHECKING:
 State = TypeVar("State")
 FAR = 1e5
 """Largest coordinate [m] and angle [rad] of a start; beyond it, digits of the motion are lost."""
+SHORTEST_INTERVAL = 1e-4
+"""Shortest time between two control instants: what is shorter fills the memory with instants [s]."""
+
+
+_LACKS = "The controller {name} must have a method `{method}`, as the documentation of `Controller` describes it."
 
 
 class EffectorKind(NamedTuple):
@@ -308,7 +314,7 @@ class Controller(Extensible, Generic[State], group="controllers"):
 
     def init(self) -> State:
         """Return the state before the first control instant."""
-        raise NotImplementedError
+        raise NotImplementedError(_LACKS.format(name=type(self).__name__, method="init"))
 
     def step(self, state: State, observation: Observation) -> tuple[State, Command]:
         """Return the next state, from `state` and `observation`, and the command until the next control instant.
@@ -317,7 +323,7 @@ class Controller(Extensible, Generic[State], group="controllers"):
             state: State after the last control instant, or from `init`.
             observation: Current observation of the robot.
         """
-        raise NotImplementedError
+        raise NotImplementedError(_LACKS.format(name=type(self).__name__, method="step"))
 
     def signals(self, state: State) -> Mapping[str, float]:
         """Return internal quantities in `state` for the Trial's log: always the same names, finite, in SI units.
@@ -351,13 +357,56 @@ class Controller(Extensible, Generic[State], group="controllers"):
         return None
 
 
+def check_interval(controller: Controller[Any]) -> None:
+    """Reject a controller whose control instants cannot follow one another.
+
+    Args:
+        controller: A controller, perhaps one of the user's own, whose fields nobody has checked.
+
+    Raises:
+        ValueError: If its `interval` is no time, or too short.
+    """
+    interval = getattr(controller, "interval", None)
+    if interval == math.inf:
+        return
+    seconds = check_finite("motion.interval", interval, "s, between two control instants")
+    if seconds < SHORTEST_INTERVAL:
+        rule = f"must be >= {SHORTEST_INTERVAL:g} s, between two control instants, got {seconds:g}"
+        raise BadArgument("motion.interval", rule)
+
+
+def decide(
+    controller: Controller[Any], state: Any, observation: Observation
+) -> tuple[Any, Command]:
+    """Return the next state and command of a controller, which may be one of the user's own.
+
+    Args:
+        controller: The controller.
+        state: Its state after the last control instant, or from `init`.
+        observation: Current observation of the robot.
+
+    Raises:
+        ValueError: If its `step` returns anything but a state and a command.
+    """
+    decision: object = controller.step(state, observation)
+    if not isinstance(decision, tuple) or len(cast(tuple[object, ...], decision)) != 2:
+        rule = "must return two things, the next state and a Command, got"
+        raise BadArgument("motion.step", f"{rule} {show_value(decision)}")
+    next_state, command = cast(tuple[Any, Command], decision)
+    check_instance("command", command, Command)
+    return next_state, command
+
+
 @value_class
 class OpenLoop(Controller[None]):
     """Controller that ignores observations: one command from start to end."""
 
     command: Command = option("Command that is always held")
     interval: float = quantity(
-        "s", "Time between control instants; infinite: called once", default=math.inf, gt=0.0
+        "s",
+        "Time between control instants; infinite: called once",
+        default=math.inf,
+        ge=SHORTEST_INTERVAL,
     )
 
     @property

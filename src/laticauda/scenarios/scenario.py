@@ -9,7 +9,14 @@ import numpy as np
 from laticauda.motion.gaits import Gait
 from laticauda.motion.joints import JointLaw, Prescribed, usual_law
 from laticauda.robot import Environment, Robot, Scene
-from laticauda.scenarios.interfaces import Command, Controller, OpenLoop, Resumed, Start
+from laticauda.scenarios.interfaces import (
+    Command,
+    Controller,
+    OpenLoop,
+    Resumed,
+    Start,
+    check_interval,
+)
 from laticauda.sensing import Place, Sensor
 from laticauda.values import (
     BadArgument,
@@ -231,6 +238,8 @@ class Scenario:
     def __post_init__(self) -> None:
         """Check what the types do not express."""
         check_instance("motion", self.motion, Gait, Controller)
+        if isinstance(self.motion, Controller):
+            check_interval(self.motion)
         if isinstance(self.model, Spatial) and self.model.scene is not None:
             self.model.scene.check(self.environment)
 

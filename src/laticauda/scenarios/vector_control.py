@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from jaxtyping import Bool, Float
 
-from laticauda.scenarios.interfaces import Command, Controller, Observation
+from laticauda.scenarios.interfaces import Command, Controller, Observation, decide
 from laticauda.sensing import BodyLoads
 from laticauda.values import BadArgument, check_choice, check_instance
 
@@ -143,8 +143,7 @@ class OneByOne:
             if not observations.is_well[i]:
                 commands.append(None)
                 continue
-            self._states[i], command = controller.step(self._states[i], observations.of_robot(i))
-            check_instance("command", command, Command)
+            self._states[i], command = decide(controller, self._states[i], observations.of_robot(i))
             commands.append(command)
         return commands
 

@@ -22,7 +22,13 @@ from jaxtyping import Float
 
 from laticauda.motion.gaits import Gait
 from laticauda.robot import Robot
-from laticauda.scenarios import Command, Controller, Observation, Observations
+from laticauda.scenarios import (
+    SHORTEST_INTERVAL,
+    Command,
+    Controller,
+    Observation,
+    Observations,
+)
 from laticauda.values import BadArgument, check_instance, option, quantity, value_class
 
 Neurons = TypeVar("Neurons", bound=tuple[Any, ...])
@@ -32,8 +38,6 @@ PerNetwork: TypeAlias = Float[np.ndarray, "n_networks 1"]
 
 LONGEST_STEP = 0.01
 """Largest time step by which neurons are integrated [s]."""
-SHORTEST_INTERVAL = 1e-4
-"""Shortest time between two control instants: what is shorter fills the memory with instants [s]."""
 FASTEST_PULL = 2.0 / LONGEST_STEP
 """Rate of decay beyond which the midpoint rule no longer follows neurons in such steps [1/s]."""
 ROUNDING = 1e-9

@@ -37,6 +37,7 @@ from laticauda.scenarios import (
     Start,
     SwimChanges,
     build_scenario,
+    decide,
     warn_of_speed,
 )
 from laticauda.sensing import senses_of, signals_of_readings
@@ -334,10 +335,9 @@ class _Swimmer:
         """
         command = self.commands.latest
         if not self.signals or self.controller.interval <= control_interval:
-            self.controller_state, command = self.controller.step(
-                self.controller_state, observation
+            self.controller_state, command = decide(
+                self.controller, self.controller_state, observation
             )
-            check_instance("command", command, Command)
         signals = self.controller.signals(self.controller_state)
         if self.senses is not None:
             sensors = self.plant.settings.sensors
