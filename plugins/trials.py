@@ -25,10 +25,17 @@ PATIENT = Limits(
 )
 
 
-def swum(served: lab.Lab, folder, *, bus: str = "", mocap: str = "", **more):
+def run_trial(virtual_lab: lab.Lab, folder, *, bus: str = "", mocap: str = "", **settings):
     """Operate the robot in a tank, whose other devices are those of laticauda."""
-    with served as at:
-        here = Connection(mocap_address=f"{at.mocap_host}:{at.mocap_port}", mocap_body=lab.BODY)
+    drivers = {}
+    if bus:
+        drivers["bus"] = bus
+    if mocap:
+        drivers["mocap"] = mocap
+    with virtual_lab as addresses:
+        connection = Connection(
+            mocap_address=f"{addresses.mocap_host}:{addresses.mocap_port}", mocap_body=lab.BODY
+        )
         operation = Operation(
             name="whole",
             gait=lc.lateral_undulation(
@@ -38,12 +45,12 @@ def swum(served: lab.Lab, folder, *, bus: str = "", mocap: str = "", **more):
             rate=20.0,
             countdown=0.1,
             tank=CaptureVolume(volume_x=(-1.0, 11.0)),
-            connection=here.at(**{"bus": bus} if bus else {}, **{"mocap": mocap} if mocap else {}),
+            connection=connection.at(**drivers),
             calibration=Calibration(joint_zeros=True, idle_time=0.2, still_time=0.5),
             limits=PATIENT,
             # It is still for a moment only, and on a busy computer devices answer late, at 20 Hz by
             # many degrees.
             acceptance=Acceptance(water_speed=0.1, pose_age=2.0, angle_jump=math.radians(10.0)),
-            **more,
+            **settings,
         )
         return operate(operation, folder)

@@ -1,6 +1,6 @@
 import pytest
 
-from laticauda_dynamixel.packets import Instruction, Packet, Reader, crc16, encoded
+from laticauda_dynamixel.packets import Instruction, Packet, Reader, crc16, encode_packet
 
 # The examples of the vendor's e-Manual: what is sent, and what a servo answers.
 EXAMPLES = [
@@ -27,32 +27,33 @@ EXAMPLES = [
 
 @pytest.mark.parametrize(("packet", "text"), EXAMPLES)
 def test_packets_are_those_of_the_vendors_manual(packet, text):
-    assert encoded(packet) == bytes.fromhex(text)
+    assert encode_packet(packet) == bytes.fromhex(text)
     assert Reader().feed(bytes.fromhex(text)) == [packet]
 
 
 def test_data_that_look_like_a_header_are_stuffed():
     packet = Packet(3, Instruction.STATUS, b"\0\xff\xff\xfd\x00\xff\xff\xfd")
-    assert b"\xff\xff\xfd\xfd" in encoded(packet)
-    assert Reader().feed(encoded(packet)) == [packet]
+    assert b"\xff\xff\xfd\xfd" in encode_packet(packet)
+    assert Reader().feed(encode_packet(packet)) == [packet]
 
 
 def test_packets_are_found_between_noise_and_in_pieces():
     packet = Packet(7, Instruction.STATUS, bytes(range(40)))
     stream = (
         b"\xff\xff\x00junk\xff\xff\xfd\x00\x01\xff\xff"
-        + encoded(packet)
+        + encode_packet(packet)
         + b"\xff\xff"
-        + encoded(packet)
+        + encode_packet(packet)
     )
-    reader, found = Reader(), []
+    reader = Reader()
+    packets = []
     for byte in stream:
-        found += reader.feed(bytes([byte]))
-    assert found == [packet, packet]
+        packets += reader.feed(bytes([byte]))
+    assert packets == [packet, packet]
 
 
 def test_a_packet_with_a_wrong_byte_is_none():
-    good = encoded(Packet(7, Instruction.STATUS, b"\0\1\2\3"))
+    good = encode_packet(Packet(7, Instruction.STATUS, b"\0\1\2\3"))
     for place in range(4, len(good)):
         bad = bytearray(good)
         bad[place] ^= 1

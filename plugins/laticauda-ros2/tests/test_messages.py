@@ -88,24 +88,39 @@ RANGES = {
 """By distribution: that of Humble is shorter."""
 
 
-def theirs(store, ours):
+def is_message(value) -> bool:
+    return hasattr(value, "__idl_typename__")
+
+
+def type_of_theirs(store, kind):
+    """The type of the other implementation for a type of ours."""
+    package, middle, _, name = kind.__idl_typename__.split("::")
+    return store.types[f"{package}/{middle}/{name.removesuffix('_')}"]
+
+
+def fields_of_theirs(kind) -> list[str]:
+    """Names of the fields of a type of the other implementation, without constants."""
+    names = kind.__dataclass_fields__
+    return [name for name in names if name != "__msgtype__" and not name.isupper()]
+
+
+def convert(store, ours):
     """The same message, of the other implementation."""
-    package, _, kind = (
-        ours.__idl_typename__.replace("::dds_::", "/").replace("::", "/").rpartition("/")
-    )
-    values = []
-    for name in store.types[f"{package}/{kind[:-1]}"].__dataclass_fields__:
-        if name == "__msgtype__" or name.isupper():  # a constant
-            continue
-        value = getattr(ours, name)
-        if hasattr(value, "__idl_typename__"):
-            value = theirs(store, value)
-        elif isinstance(value, list) and value and hasattr(value[0], "__idl_typename__"):
-            value = [theirs(store, one) for one in value]
-        elif isinstance(value, list) and not (value and isinstance(value[0], str)):
-            value = np.array(value, dtype=float)
-        values.append(value)
-    return store.types[f"{package}/{kind[:-1]}"](*values)
+    kind = type_of_theirs(store, ours)
+    values = [convert_value(store, getattr(ours, name)) for name in fields_of_theirs(kind)]
+    return kind(*values)
+
+
+def convert_value(store, value):
+    if is_message(value):
+        return convert(store, value)
+    if not isinstance(value, list):
+        return value
+    if value and is_message(value[0]):
+        return [convert(store, entry) for entry in value]
+    if value and isinstance(value[0], str):
+        return value
+    return np.array(value, dtype=float)
 
 
 @pytest.mark.parametrize("distribution", DISTRIBUTIONS)
@@ -121,7 +136,7 @@ def test_a_range_has_a_variance_except_in_humble(distribution):
 
 def check_bytes(distribution, name, ours):
     store = typesys.get_typestore(typesys.Stores[distribution])
-    data = bytes(store.serialize_cdr(theirs(store, ours), name))
+    data = bytes(store.serialize_cdr(convert(store, ours), name))
     assert ours.serialize() == data
     assert type(ours).deserialize(data).serialize() == data
 
@@ -130,20 +145,16 @@ def check_bytes(distribution, name, ours):
 def test_fields_are_those_of_the_definitions_of_ros_2(distribution):
     store = typesys.get_typestore(typesys.Stores[distribution])
     other_range = messages.Range if distribution == "ROS2_HUMBLE" else messages.RangeOfHumble
-    kinds = [one for one in vars(messages).values() if hasattr(one, "__idl_typename__")]
+    kinds = [value for value in vars(messages).values() if is_message(value)]
     assert len(kinds) == 24
     for kind in kinds:
         if kind is other_range:
             continue
-        package, middle, _, last = kind.__idl_typename__.split("::")
-        there = store.types[f"{package}/{middle}/{last.removesuffix('_')}"]
-        assert [*kind.__dataclass_fields__] == [
-            one for one in there.__dataclass_fields__ if one != "__msgtype__" and not one.isupper()
-        ]
+        assert [*kind.__dataclass_fields__] == fields_of_theirs(type_of_theirs(store, kind))
 
 
 def test_types_have_the_names_that_the_middleware_of_ros_2_gives_them():
-    assert [one.__idl_typename__ for one in OURS.values()] == [
+    assert [message.__idl_typename__ for message in OURS.values()] == [
         "geometry_msgs::msg::dds_::PoseStamped_",
         "sensor_msgs::msg::dds_::JointState_",
         "std_msgs::msg::dds_::Float64MultiArray_",
@@ -155,7 +166,8 @@ def test_types_have_the_names_that_the_middleware_of_ros_2_gives_them():
         "rosgraph_msgs::msg::dds_::Clock_",
         "std_msgs::msg::dds_::Empty_",
     ]
-    assert {one.__idl_annotations__["extensibility"] for one in OURS.values()} == {"final"}
+    annotations = [message.__idl_annotations__ for message in OURS.values()]
+    assert {annotation["extensibility"] for annotation in annotations} == {"final"}
 
 
 def test_a_stamp_holds_seconds_and_nanoseconds():

@@ -2,6 +2,7 @@ import json
 import math
 import sys
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -19,9 +20,11 @@ QUICK = "economy"
 @pytest.fixture(scope="module")
 def short():
     """A scenario with few, short episodes, as it is scored."""
-    one = swimbench.challenge(QUICK)
-    tasks = [replace(task, scenario=replace(task.scenario, duration=4.0)) for task in one.tasks]
-    return replace(one, seeds=one.seeds[:3], tasks=tuple(tasks))
+    challenge = swimbench.challenge(QUICK)
+    tasks = []
+    for task in challenge.tasks:
+        tasks.append(replace(task, scenario=replace(task.scenario, duration=4.0)))
+    return replace(challenge, seeds=challenge.seeds[:3], tasks=tuple(tasks))
 
 
 @pytest.fixture(autouse=True)
@@ -29,8 +32,12 @@ def quick(short, monkeypatch):
     monkeypatch.setattr(scoring, "challenge", lambda name: short)
 
 
-def scored(policy) -> dict:
+def score(policy) -> dict:
     return scoring.score(policy, [QUICK])
+
+
+def scores_of(results) -> list[float]:
+    return [result["score"] for result in results]
 
 
 # ---- scenarios -----------------------------------------------------------------------------------
@@ -38,19 +45,15 @@ def scored(policy) -> dict:
 
 @pytest.mark.parametrize("name", swimbench.CHALLENGES)
 def test_a_scenario_fixes_its_episodes_and_its_scale(name):
-    one = swimbench.challenge(name)
-    assert len(one.seeds) == len(set(one.seeds)) == 20
-    assert one.score(one.baseline) == 0.0
-    assert one.score(one.reference) == 1.0
-    assert one.reference > one.baseline
-    np.testing.assert_allclose(
-        [0.5 * (each.low + each.high) for each in one.tasks[0].actions[:3]], _shape(one)
-    )
-
-
-def _shape(one):
-    gait = one.tasks[0].gait
-    return gait.amplitude, gait.frequency, gait.phase_shift
+    challenge = swimbench.challenge(name)
+    assert len(challenge.seeds) == len(set(challenge.seeds)) == 20
+    assert challenge.score(challenge.baseline) == 0.0
+    assert challenge.score(challenge.reference) == 1.0
+    assert challenge.reference > challenge.baseline
+    task = challenge.tasks[0]
+    middles = [0.5 * (action.low + action.high) for action in task.actions[:3]]
+    gait = task.gait
+    np.testing.assert_allclose(middles, [gait.amplitude, gait.frequency, gait.phase_shift])
 
 
 def test_steering_a_gait_that_is_already_bent_may_not_take_a_joint_beyond_its_limit(short):
@@ -76,51 +79,55 @@ def test_a_motor_that_is_off_takes_no_power_and_its_joint_does_not_follow():
             envs.step(np.tile([-1.0, -1.0, 0.0, 1.0], (2, 1)))  # an offset of 20 deg
         angles[name] = envs.episodes.school.observe(0).joint_angle
         envs.close()
-    apart = np.abs(angles["broken"] - angles["economy"])
-    assert apart.argmax() == 3
-    assert apart[3] > 0.2
-    assert (
-        swimbench.challenge("broken").tasks[1].scenario.robot.joints[3].actuator.stall_power < 1e-6
-    )
+    difference = np.abs(angles["broken"] - angles["economy"])
+    assert difference.argmax() == 3
+    assert difference[3] > 0.2
+    robot = swimbench.challenge("broken").tasks[1].scenario.robot
+    assert robot.joints[3].actuator.stall_power < 1e-6
 
 
 def test_a_return_is_the_objective_times_the_duration(short):
-    envs, task = swimbench.make(QUICK, 3), short.tasks[0]
+    task = short.tasks[0]
+    envs = swimbench.make(QUICK, 3)
     envs.reset(seed=list(short.seeds))
-    total = sum(envs.step(np.zeros((3, 4)))[1][0] for _ in range(task.n_steps))
+    total = 0.0
+    for _ in range(task.n_steps):
+        _, rewards, _, _, _ = envs.step(np.zeros((3, 4)))
+        total += rewards[0]
     envs.close()
-    first = scored("open-loop")["scenarios"][0]["results"][0]
-    assert total / task.scenario.duration == pytest.approx(first["objective"], rel=1e-12)
+    result = score("open-loop")["scenarios"][0]["results"][0]
+    assert total / task.scenario.duration == pytest.approx(result["objective"], rel=1e-12)
 
 
 def test_energy_costs_and_distance_from_the_line_makes_progress_worthless(short):
     task = short.tasks[0]
-    near, far = (_worth(task, y=y, power=0.0) for y in (0.0, task.tolerance))
+    near = _reward(task, y=0.0, power=0.0)
+    far = _reward(task, y=task.tolerance, power=0.0)
     assert far == pytest.approx(0.5 * near)
-    assert near - _worth(task, y=0.0, power=10.0) == pytest.approx(
-        10.0 * task.interval / task.price
+    costly = _reward(task, y=0.0, power=10.0)
+    assert near - costly == pytest.approx(10.0 * task.interval / task.price)
+
+
+def _reward(task, y, power):
+    step = SimpleNamespace(
+        before=SimpleNamespace(x=0.0, y=y),
+        after=SimpleNamespace(x=0.02, y=y),
+        interval=task.interval,
+        power=power,
     )
-
-
-def _worth(task, y, power):
-    from types import SimpleNamespace
-
-    before, after = (SimpleNamespace(x=x, y=y) for x in (0.0, 0.02))
-    return task.reward(
-        SimpleNamespace(before=before, after=after, interval=task.interval, power=power)
-    )
+    return task.reward(step)
 
 
 # ---- scores --------------------------------------------------------------------------------------
 
 
 def test_the_same_policy_has_the_same_scores_to_the_last_bit():
-    assert scored("ilos")["sha256"] == scored("ilos")["sha256"] != scored("los")["sha256"]
+    assert score("ilos")["sha256"] == score("ilos")["sha256"] != score("los")["sha256"]
 
 
 def test_a_score_file_is_what_its_schema_says_and_is_read_back(tmp_path):
     jsonschema = pytest.importorskip("jsonschema")
-    content = scored("los")
+    content = score("los")
     text = scoring.text_of(content)
     jsonschema.validate(json.loads(text), json.loads(scoring.SCHEMA.read_text()))
     file = tmp_path / "los.json"
@@ -147,10 +154,10 @@ def test_actions_that_are_none_are_refused():
         name="bad",
         kind="callable",
         sha256="",
-        pilot=lambda *_: lambda seen: np.full((len(seen), 4), np.nan),
+        pilot=lambda *_: lambda observations: np.full((len(observations), 4), np.nan),
     )
     with pytest.raises(scoring.BadScores, match="bad: returned actions of shape"):
-        scored(bad)
+        score(bad)
 
 
 # ---- policies from outside -----------------------------------------------------------------------
@@ -183,12 +190,9 @@ nothing = 3
 def test_a_callable_from_outside_is_scored_as_a_baseline_is(tmp_path, monkeypatch, name):
     (tmp_path / "outside.py").write_text(OUTSIDE)
     monkeypatch.syspath_prepend(str(tmp_path))
-    ours, theirs = (
-        scored(each)["scenarios"][0]["results"] for each in ("open-loop", f"outside:{name}")
-    )
-    np.testing.assert_allclose(
-        [one["score"] for one in theirs], [one["score"] for one in ours], rtol=1e-9
-    )
+    ours = score("open-loop")["scenarios"][0]["results"]
+    theirs = score(f"outside:{name}")["scenarios"][0]["results"]
+    np.testing.assert_allclose(scores_of(theirs), scores_of(ours), rtol=1e-9)
     sys.modules.pop("outside")
 
 
@@ -214,18 +218,21 @@ def test_what_is_no_policy_is_refused(tmp_path, monkeypatch):
 
 def test_weights_in_a_file_are_the_network_that_was_written(tmp_path):
     draws = np.random.default_rng(1)
-    runs = [
-        [(draws.normal(size=(8, 13)), np.ones(8)), (draws.normal(size=(4, 8)), np.zeros(4))]
-        for _ in range(2)
-    ]
+    runs = []
+    for _ in range(2):
+        hidden = networks.Layer(draws.normal(size=(8, 13)), np.ones(8))
+        last = networks.Layer(draws.normal(size=(4, 8)), np.zeros(4))
+        runs.append([hidden, last])
     networks.save(tmp_path / "mine.npz", runs, "tanh", squash=True)
-    seen = draws.normal(size=(5, 13))
-    found = networks.load(tmp_path / "mine.npz")
-    for network, ((w0, b0), (w1, b1)) in zip(found, runs, strict=True):
-        expected = np.tanh(np.tanh(seen @ w0.T + b0) @ w1.T + b1)
-        np.testing.assert_allclose(network(seen), expected, atol=0.02)  # stored in half precision
-        np.testing.assert_array_equal(network(seen)[2], network(seen[2:3])[0])
-    content = scored(str(tmp_path / "mine.npz"))
+    observations = draws.normal(size=(5, 13))
+    loaded = networks.load(tmp_path / "mine.npz")
+    for network, (hidden, last) in zip(loaded, runs, strict=True):
+        signals = np.tanh(observations @ hidden.weights.T + hidden.biases)
+        expected = np.tanh(signals @ last.weights.T + last.biases)
+        actions = network(observations)
+        np.testing.assert_allclose(actions, expected, atol=0.02)  # stored in half precision
+        np.testing.assert_array_equal(actions[2], network(observations[2:3])[0])
+    content = score(str(tmp_path / "mine.npz"))
     assert content["method"]["runs"] == 2
     assert matrix(content["scenarios"][0]).shape == (2, 3)
 
@@ -247,15 +254,16 @@ def test_the_interquartile_mean_leaves_out_a_quarter_at_each_end():
 
 def test_an_interval_shrinks_with_the_root_of_the_number_of_episodes():
     draws = np.random.default_rng(0)
-    small, large = (estimate([draws.normal(size=(1, n))], mean) for n in (25, 400))
-    assert 3.0 < (small.high - small.low) / (large.high - large.low) < 5.0
-    assert small.low < small.value < small.high
+    few = estimate([draws.normal(size=(1, 25))], mean)
+    many = estimate([draws.normal(size=(1, 400))], mean)
+    assert 3.0 < (few.high - few.low) / (many.high - many.low) < 5.0
+    assert few.low < few.value < few.high
 
 
 def test_of_a_learner_runs_are_resampled_and_not_episodes():
     same_runs = np.tile([0.0, 1.0, 2.0], (5, 1))
-    found = estimate([same_runs], over_runs)
-    assert found.low == found.value == found.high == 1.0
+    score_of_runs = estimate([same_runs], over_runs)
+    assert score_of_runs.low == score_of_runs.value == score_of_runs.high == 1.0
 
 
 # ---- learners, where they are installed ----------------------------------------------------------
@@ -267,27 +275,28 @@ def test_training_goes_on_where_it_stopped_and_what_it_learned_is_scored_without
     pytest.importorskip("stable_baselines3")
     from laticauda_swimbench import train
 
-    for name, few in (
-        ("ppo", {"n_steps": 4, "batch_size": 16, "n_epochs": 1}),
-        ("sac", {"learning_starts": 8}),
-    ):
-        monkeypatch.setitem(train.SETTINGS, name, train.SETTINGS[name] | few)
+    quick_settings = {
+        "ppo": {"n_steps": 4, "batch_size": 16, "n_epochs": 1},
+        "sac": {"learning_starts": 8},
+    }
+    for name, settings in quick_settings.items():
+        monkeypatch.setitem(train.SETTINGS, name, train.SETTINGS[name] | settings)
         monkeypatch.setitem(train.LANES, name, 8)
-        told: list[str] = []
+        lines: list[str] = []
         for steps in (32, 64, 64):
-            said = train.train(name, "broken", 1, steps, tmp_path, told.append)
-        assert said["steps"] == 64
-        assert len(told) == 2
+            progress = train.train(name, "broken", 1, steps, tmp_path, lines.append)
+        assert progress["steps"] == 64
+        assert len(lines) == 2
         assert train.collect(name, "broken", tmp_path, tmp_path / "kept.npz") == 1
         networks.load.cache_clear()
         (network,) = networks.load(tmp_path / "kept.npz")
         library = __import__("stable_baselines3")
         model = getattr(library, name.upper()).load(tmp_path / f"{name}-broken-1.zip", device="cpu")
-        seen = np.random.default_rng(0).normal(size=(6, 13)).astype(np.float32)
-        expected = np.clip(model.predict(seen, deterministic=True)[0], -1.0, 1.0)
-        np.testing.assert_allclose(
-            np.clip(network(seen.astype(float)), -1.0, 1.0), expected, atol=0.02
-        )
+        observations = np.random.default_rng(0).normal(size=(6, 13)).astype(np.float32)
+        predicted, _ = model.predict(observations, deterministic=True)
+        expected = np.clip(predicted, -1.0, 1.0)
+        actions = np.clip(network(observations.astype(float)), -1.0, 1.0)
+        np.testing.assert_allclose(actions, expected, atol=0.02)
 
 
 # ---- what is kept in the distribution ------------------------------------------------------------
@@ -314,10 +323,8 @@ def test_what_is_stored_is_what_is_scored_today(monkeypatch, policy):
     monkeypatch.undo()
     stored = scoring.read_scores(RESULTS / f"{policy}.json")
     expected = next(part["results"] for part in stored["scenarios"] if part["name"] == QUICK)
-    found = scoring.results(QUICK, method(policy))
-    assert [(one["run"], one["seed"]) for one in found] == [
-        (one["run"], one["seed"]) for one in expected
-    ]
-    np.testing.assert_allclose(
-        [one["score"] for one in found], [one["score"] for one in expected], atol=1e-3
-    )
+    results = scoring.results(QUICK, method(policy))
+    for result, expected_result in zip(results, expected, strict=True):
+        assert result["run"] == expected_result["run"]
+        assert result["seed"] == expected_result["seed"]
+    np.testing.assert_allclose(scores_of(results), scores_of(expected), atol=1e-3)

@@ -6,13 +6,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from patience import complaints, until
-from trials import swum
+from trials import run_trial
 
 import laticauda as lc
 from laticauda.tank import lab
 from laticauda.tank.operate.drivers import Clock, DeviceFailed, driver_named
 from laticauda.tank.protocol import bus_address
-from laticauda_udp_json.driver import NoPose, decoded
+from laticauda_udp_json.driver import NoPose, read_datagram
 from laticauda_udp_json.emulator import Sender
 
 POSE = {
@@ -26,9 +26,9 @@ POSE = {
 @pytest.fixture
 def address():
     """A port that is free."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as one:
-        one.bind(("127.0.0.1", 0))
-        return f"127.0.0.1:{one.getsockname()[1]}"
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("127.0.0.1", 0))
+        return f"127.0.0.1:{probe.getsockname()[1]}"
 
 
 @pytest.fixture
@@ -37,51 +37,56 @@ def sender(address):
     from laticauda.tank.protocol.worker import Worker
 
     class Repeated(Worker[None]):
-        bodies, sent = ("fish",), 0
+        bodies = ("fish",)
+        n_sent = 0
 
         def work(self):
             for body in self.bodies:
-                self.sent += 1
-                self.say(POSE | {"body": body, "time": 0.01 * self.sent})
+                self.n_sent += 1
+                self.send_message(POSE | {"body": body, "time": 0.01 * self.n_sent})
             time.sleep(0.01)
 
-        def say(self, said):
+        def send_message(self, message):
+            self.send_bytes(json.dumps(message).encode())
+
+        def send_bytes(self, data):
             host, port = address.split(":")
-            self.line.sendto(
-                said if isinstance(said, bytes) else json.dumps(said).encode(), (host, int(port))
-            )
+            self.line.sendto(data, (host, int(port)))
 
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as line, Repeated("sender") as one:
-        one.line = line
-        one._start()
-        yield one
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as line, Repeated("sender") as sender:
+        sender.line = line
+        sender._start()
+        yield sender
 
 
-def made(address: str, body: str = ""):
-    return driver_named("mocap", "udp-json", address)(address, Clock(), body)
+def open_driver(address: str, body: str = ""):
+    driver_class = driver_named("mocap", "udp-json", address)
+    return driver_class(address, Clock(), body)
 
 
-def received(driver, wanted) -> list:
-    found, end = [], time.monotonic() + 20.0
-    while not wanted(found) and time.monotonic() < end:
-        found += driver.receive()
+def receive_until(driver, are_enough) -> list:
+    samples = []
+    end = time.monotonic() + 20.0
+    while not are_enough(samples) and time.monotonic() < end:
+        samples += driver.receive()
         time.sleep(0.005)
-    assert wanted(found)
-    return found
+    assert are_enough(samples)
+    return samples
 
 
 def test_a_datagram_says_where_a_body_is():
-    body, pose = decoded(json.dumps(POSE | {"residual": 0.001}).encode())
+    body, pose = read_datagram(json.dumps(POSE | {"residual": 0.001}).encode())
     assert (body, pose.time, pose.residual) == ("fish", 1.0, 0.001)
     assert pose.position == pytest.approx([1.0, 2.0, -0.1])
     assert pose.rotation == pytest.approx(
         np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
     )
-    assert decoded(json.dumps(POSE | {"position": None}).encode())[1].is_lost
+    without_position = read_datagram(json.dumps(POSE | {"position": None}).encode())
+    assert without_position.pose.is_lost
 
 
 @pytest.mark.parametrize(
-    ("data", "why"),
+    ("data", "reason"),
     [
         (b"\xff\xfe", "utf-8"),
         (b"{", "Expecting property name"),
@@ -97,64 +102,69 @@ def test_a_datagram_says_where_a_body_is():
         (b"[" * 4000, "recursion|Expecting"),
     ],
 )
-def test_a_datagram_that_makes_no_sense_is_refused_with_a_reason(data, why):
-    with pytest.raises(NoPose, match=why):
-        decoded(data)
+def test_a_datagram_that_makes_no_sense_is_refused_with_a_reason(data, reason):
+    with pytest.raises(NoPose, match=reason):
+        read_datagram(data)
 
 
 def test_an_unknown_body_is_refused_with_what_there_is(sender, address):
-    with made(address):
+    with open_driver(address):
         pass
     with pytest.raises(DeviceFailed, match="has no body 'cat'; its bodies are: fish"):
-        made(address, "cat")
+        open_driver(address, "cat")
     sender.bodies = ("fish", "eel")
     with pytest.raises(
         DeviceFailed, match="The body must be named by `mocap_body`: the motion capture has"
     ):
-        made(address)
-    with made(address, "eel") as driver:
-        received(driver, lambda found: len(found) > 2)
+        open_driver(address)
+    with open_driver(address, "eel") as driver:
+        receive_until(driver, lambda samples: len(samples) > 2)
 
 
 def test_nonsense_is_told_and_what_is_late_or_of_others_is_lost(sender, address):
-    with made(address) as driver:
-        sender.say(b"nonsense")
-        sender.say(POSE | {"body": "other", "time": 1e6})
-        poses = [pose for _, pose in received(driver, lambda found: len(found) > 5)]
+    with open_driver(address) as driver:
+        sender.send_bytes(b"nonsense")
+        sender.send_message(POSE | {"body": "other", "time": 1e6})
+        poses = [pose for _, pose in receive_until(driver, lambda samples: len(samples) > 5)]
         assert [pose.time for pose in poses] == sorted({pose.time for pose in poses})
         sender.bodies = ()
         time.sleep(0.05)
         driver.receive()
-        sender.say(POSE | {"time": poses[-1].time - 0.5})
-        sender.say(b"nonsense")
+        sender.send_message(POSE | {"time": poses[-1].time - 0.5})
+        sender.send_bytes(b"nonsense")
         until(lambda: driver.trouble)
         assert "invalid datagram: Expecting value" in driver.trouble
         assert driver.receive() == ()
 
 
 def test_a_clock_that_began_anew_is_followed(sender, address):
-    with made(address) as driver:
-        sender.sent = 100_000
-        received(driver, lambda found: any(pose.time > 900.0 for _, pose in found))
-        sender.sent = 0
-        received(driver, lambda found: any(pose.time < 1.0 for _, pose in found))
+    with open_driver(address) as driver:
+        sender.n_sent = 100_000
+        receive_until(driver, lambda samples: any(pose.time > 900.0 for _, pose in samples))
+        sender.n_sent = 0
+        receive_until(driver, lambda samples: any(pose.time < 1.0 for _, pose in samples))
 
 
 def test_a_whole_trial_runs_over_it_and_it_keeps_the_contract(address, tmp_path: Path, monkeypatch):
     robot = lc.load_robot("mamba")
-    body = lab.VirtualRobot(
-        robot, lc.build_plant(robot, lc.load_water("paper-lateral"), joints="servo")
-    )
+    plant = lc.build_plant(robot, lc.load_water("paper-lateral"), joints="servo")
+    body = lab.VirtualRobot(robot, plant)
     nodes = lab.NodeSettings(hold_after=3.0, limp_after=4.0, startup_time=0.2, calibration_time=0.2)
     tank = lab.Tank(body, lab.LabSettings(nodes=nodes))
-    served = lab.Lab(tank, bus=bus_address("virtual:udp-json"))
-    served.server = Sender(address)
-    result = swum(served, tmp_path, bus="virtual:udp-json", mocap=f"udp-json@{address}")
+    virtual_lab = lab.Lab(tank, bus=bus_address("virtual:udp-json"))
+    virtual_lab.server = Sender(address)
+    result = run_trial(virtual_lab, tmp_path, bus="virtual:udp-json", mocap=f"udp-json@{address}")
     assert result.accepted, result.reason
     assert lc.load_trial(tmp_path / "whole.nc").forward_velocity > 0.0
-    served = lab.Lab(tank, bus=bus_address("virtual:udp-json"))
-    served.server = Sender(address)
-    with served:
-        absent = "udp-json@127.0.0.1:1"
-        how = {"absent": absent, "body": lab.BODY, "duration": 0.5}
-        assert complaints(monkeypatch, "mocap", f"udp-json@{address}", **how) == ()
+    virtual_lab = lab.Lab(tank, bus=bus_address("virtual:udp-json"))
+    virtual_lab.server = Sender(address)
+    with virtual_lab:
+        problems = complaints(
+            monkeypatch,
+            "mocap",
+            f"udp-json@{address}",
+            absent="udp-json@127.0.0.1:1",
+            body=lab.BODY,
+            duration=0.5,
+        )
+    assert problems == ()

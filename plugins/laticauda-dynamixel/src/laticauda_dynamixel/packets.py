@@ -10,8 +10,13 @@ from enum import IntEnum
 from typing import NamedTuple
 
 HEADER = b"\xff\xff\xfd\x00"
+LIKE_A_HEADER, STUFFED = b"\xff\xff\xfd", b"\xff\xff\xfd\xfd"
+"""Bytes of data that look like a header, and what goes over the line in their place."""
 BROADCAST = 0xFE
-LONGEST = 4096  # a length beyond it is noise
+HEAD_SIZE = 7
+"""Size of header, number and length [B]."""
+SHORTEST, LONGEST = 3, 4096
+"""Lengths between which a packet's must be; any other is noise."""
 
 
 class Instruction(IntEnum):
@@ -44,13 +49,40 @@ class Register(IntEnum):
 
 MEASURED = struct.Struct("<hii8xHB")
 """From PRESENT_CURRENT on: current, velocity, position, two trajectories, voltage, temperature."""
-MIDDLE, TURN = 2048, 4096  # of the position
-VELOCITY = 0.229 * 2.0 * math.pi / 60.0  # [rad/s]
-CURRENT = 0.00269  # [A]
-VOLTAGE = 0.1  # [V]
-WATCHDOG = 0.02  # [s]
-TRIPPED = 0xFF  # what BUS_WATCHDOG says then
-OVERHEATING, OVERLOAD = 0x04, 0x20  # of HARDWARE_ERROR
+MIDDLE = 2048
+"""Steps at an angle of 0."""
+TURN = 4096
+"""Steps of a whole turn."""
+VELOCITY = 0.229 * 2.0 * math.pi / 60.0
+"""Unit of velocities [rad/s]."""
+CURRENT = 0.00269
+"""Unit of currents [A]."""
+VOLTAGE = 0.1
+"""Unit of voltages [V]."""
+WATCHDOG = 0.02
+"""Unit of the bus watchdog's time [s]."""
+TRIPPED = 0xFF
+"""Value of BUS_WATCHDOG after it has stopped the servo."""
+OVERHEATING, OVERLOAD = 0x04, 0x20
+"""Bits of HARDWARE_ERROR."""
+
+
+def steps_of_angle(angle: float) -> int:
+    """Return the position register's value at an angle.
+
+    Args:
+        angle: The angle [rad].
+    """
+    return round(angle * TURN / (2.0 * math.pi)) + MIDDLE
+
+
+def angle_of_steps(steps: int) -> float:
+    """Return the angle at a value of the position register [rad].
+
+    Args:
+        steps: The value.
+    """
+    return (steps - MIDDLE) * 2.0 * math.pi / TURN
 
 
 class Packet(NamedTuple):
@@ -63,17 +95,17 @@ class Packet(NamedTuple):
     data: bytes
 
 
-def _table() -> tuple[int, ...]:
-    found: list[int] = []
-    for byte in range(256):
-        crc = byte << 8
-        for _ in range(8):
-            crc = (crc << 1) ^ (0x8005 if crc & 0x8000 else 0)
-        found.append(crc & 0xFFFF)
-    return tuple(found)
+def _crc_of_byte(byte: int) -> int:
+    crc = byte << 8
+    for _ in range(8):
+        is_top_bit_set = bool(crc & 0x8000)
+        crc <<= 1
+        if is_top_bit_set:
+            crc ^= 0x8005
+    return crc & 0xFFFF
 
 
-_CRC = _table()
+_CRC = tuple(_crc_of_byte(byte) for byte in range(256))
 
 
 def crc16(data: bytes) -> int:
@@ -84,18 +116,23 @@ def crc16(data: bytes) -> int:
     return crc
 
 
-def encoded(packet: Packet) -> bytes:
-    """A packet as it goes over the line."""
-    body = (bytes([packet.instruction]) + packet.data).replace(b"\xff\xff\xfd", b"\xff\xff\xfd\xfd")
-    whole = HEADER + struct.pack("<BH", packet.number, len(body) + 2) + body
-    return whole + struct.pack("<H", crc16(whole))
+def encode_packet(packet: Packet) -> bytes:
+    """Return a packet as it goes over the line.
+
+    Args:
+        packet: The packet.
+    """
+    content = bytes([packet.instruction]) + packet.data
+    stuffed = content.replace(LIKE_A_HEADER, STUFFED)
+    message = HEADER + struct.pack("<BH", packet.number, len(stuffed) + 2) + stuffed
+    return message + struct.pack("<H", crc16(message))
 
 
 class Reader:
     """Finds packets in what comes over the line, whatever else there is."""
 
     def __init__(self) -> None:
-        self._waiting = b""
+        self._buffer = b""
 
     def feed(self, data: bytes) -> list[Packet]:
         """The packets that are complete with these bytes.
@@ -103,24 +140,26 @@ class Reader:
         Args:
             data: What came.
         """
-        found: list[Packet] = []
-        self._waiting += data
-        while (start := self._waiting.find(HEADER)) >= 0:
-            self._waiting = self._waiting[start:]
-            if len(self._waiting) < 7:
-                return found
-            number, length = struct.unpack_from("<BH", self._waiting, 4)
-            if not 3 <= length <= LONGEST:
-                self._waiting = self._waiting[1:]
+        packets: list[Packet] = []
+        self._buffer += data
+        while (start := self._buffer.find(HEADER)) >= 0:
+            self._buffer = self._buffer[start:]
+            if len(self._buffer) < HEAD_SIZE:
+                return packets
+            number, length = struct.unpack_from("<BH", self._buffer, len(HEADER))
+            if not SHORTEST <= length <= LONGEST:
+                self._buffer = self._buffer[1:]
                 continue
-            whole = self._waiting[: 7 + length]
-            if len(whole) < 7 + length:
-                return found
-            if struct.unpack("<H", whole[-2:])[0] != crc16(whole[:-2]):
-                self._waiting = self._waiting[1:]
+            size = HEAD_SIZE + length
+            if len(self._buffer) < size:
+                return packets
+            message = self._buffer[:size]
+            (checksum,) = struct.unpack("<H", message[-2:])
+            if checksum != crc16(message[:-2]):
+                self._buffer = self._buffer[1:]
                 continue
-            body = whole[7:-2].replace(b"\xff\xff\xfd\xfd", b"\xff\xff\xfd")
-            found.append(Packet(number, body[0], body[1:]))
-            self._waiting = self._waiting[len(whole) :]
-        self._waiting = self._waiting[-3:]  # a header may have begun
-        return found
+            content = message[HEAD_SIZE:-2].replace(STUFFED, LIKE_A_HEADER)
+            packets.append(Packet(number, content[0], content[1:]))
+            self._buffer = self._buffer[size:]
+        self._buffer = self._buffer[-3:]  # a header may have begun
+        return packets

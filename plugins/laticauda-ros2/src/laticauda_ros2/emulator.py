@@ -31,9 +31,18 @@ from laticauda_ros2 import messages
 from laticauda_ros2.bus import GOALS, MOTORS, STATES
 from laticauda_ros2.node import Node
 
-PERIOD = 0.01  # of the controllers [s]
-EPOCH = 1.7e9  # what the clocks of ROS 2 showed when the tank's began [s]
-FOR_EVER = 1e6  # s; a joint goes on holding without references
+PERIOD = 0.01
+"""Time between two cycles of the controllers [s]."""
+EPOCH = 1.7e9
+"""What the clocks of ROS 2 showed when the tank's began [s]."""
+FOR_EVER = 1e6
+"""A joint goes on holding without references [s]."""
+SYNC_COUNTS = 65536
+"""How many values the counter of a `Sync` has."""
+UNSEEN = [math.nan] * 3
+"""Position of a body that the cameras do not see [m]."""
+UPRIGHT = (1.0, 0.0, 0.0, 0.0)
+"""Quaternion w, x, y, z of a body that is not turned."""
 TOPIC = f"/{lab.BODY.replace('-', '_')}/pose"
 
 
@@ -50,72 +59,92 @@ class Controllers(AbstractContextManager["Controllers"]):
         self.names = [f"joint_{number}" for number in range(1, n + 1)]
         self.tells = ("velocity", "effort")
         """Which of the arrays that may be left out it fills."""
-        self._states, self._goals, self._motors = (
-            f"{space}/{name}" for name in (STATES, GOALS, MOTORS)
-        )
+        self._states = f"{space}/{STATES}"
+        self._goals = f"{space}/{GOALS}"
+        self._motors = f"{space}/{MOTORS}"
         self._node = Node(domain)
         self._node.write(self._states, messages.JointState)
         for topic in (self._goals, self._motors):
             self._node.read(topic, messages.Float64MultiArray)
-        self._goal, self._on = [0.0] * n, [0.0] * n
+        self._positions = [0.0] * n
+        self._switches = [0.0] * n
         self._measured: dict[int, JointState] = {}
         self._to_tank: deque[Any] = deque()
-        self._due, self._counter = time.monotonic(), 0
+        self._due = time.monotonic()
+        self._counter = 0
 
     def recv(self, timeout: float | None = None) -> Any:
-        """The next frame for the modules: a hundred times a second they take up their goals and measure."""
-        left = self._due - time.monotonic()
-        if not self._to_tank and left > 0.0:
-            self._node.wait(min(left, left if timeout is None else timeout))
-        for one in self._arrays(self._goals):
-            self._goal = one
-        for one in self._arrays(self._motors):
-            changed = [
-                (number, new)
-                for number, (old, new) in enumerate(zip(self._on, one, strict=True), 1)
-                if old != new
-            ]
-            self._to_tank += [
-                NodeCommand(order=Order.ENABLE if on else Order.DISABLE, node=number)
-                for number, on in changed
-            ]
-            self._on = one
-        if (
-            not self._to_tank and time.monotonic() >= self._due
-        ):  # where a computer is too slow, it is less often
-            self._due = max(self._due + PERIOD, time.monotonic())
-            self._counter = (self._counter + 1) % 65536
-            self._to_tank += [*encode_references(self._goal), Sync(counter=self._counter)]
-        return to_frame(self._to_tank.popleft()) if self._to_tank else None
+        """Return the next frame for the modules: a hundred times a second they take up their goals and measure."""
+        if not self._to_tank:
+            self._wait(timeout)
+        for positions in self._arrays(self._goals):
+            self._positions = positions
+        for switches in self._arrays(self._motors):
+            self._switch(switches)
+        now = time.monotonic()
+        if not self._to_tank and now >= self._due:
+            self._due = max(self._due + PERIOD, now)  # less often where a computer is too slow
+            self._counter = (self._counter + 1) % SYNC_COUNTS
+            self._to_tank += encode_references(self._positions)
+            self._to_tank.append(Sync(counter=self._counter))
+        if not self._to_tank:
+            return None
+        return to_frame(self._to_tank.popleft())
+
+    def _wait(self, timeout: float | None) -> None:
+        """Wait until the next cycle, or a message comes, but no longer than the timeout [s]."""
+        time_left = self._due - time.monotonic()
+        if timeout is not None:
+            time_left = min(time_left, timeout)
+        if time_left > 0.0:
+            self._node.wait(time_left)
+
+    def _switch(self, switches: list[float]) -> None:
+        """Switch the motors that are to change: 1 is on, 0 is limp."""
+        changes = zip(self._switches, switches, strict=True)
+        for number, (before, after) in enumerate(changes, start=1):
+            if after == before:
+                continue
+            order = Order.DISABLE
+            if after:
+                order = Order.ENABLE
+            self._to_tank.append(NodeCommand(order=order, node=number))
+        self._switches = switches
 
     def _arrays(self, topic: str) -> list[list[float]]:
-        """What has come by the topic of a controller, and is as long as it must be."""
-        found = [message.data for message in self._node.taken(topic) if message is not None]
-        return [list(one) for one in found if len(one) == len(self.names)]
+        """Return what has come by the topic of a controller, and is as long as it must be."""
+        arrays: list[list[float]] = []
+        for message in self._node.taken(topic):
+            if message is not None and len(message.data) == len(self.names):
+                arrays.append(list(message.data))
+        return arrays
 
     def send(self, frame: Any, timeout: float | None = None) -> None:
-        """What all modules measured becomes a message; heartbeats are not told."""
-        said = decode(frame.arbitration_id, bytes(frame.data))
-        if isinstance(said, JointState):
-            self._measured[said.node] = said
+        """Publish what the modules measured, once all did; heartbeats are not told."""
+        message = decode(frame.arbitration_id, bytes(frame.data))
+        if isinstance(message, JointState):
+            self._measured[message.node] = message
         if len(self._measured) == len(self.names):
-            found = sorted(
-                self._measured.values(), key=lambda one: self.names[one.node - 1], reverse=True
-            )
-            columns = {
-                "velocity": [one.rate for one in found],
-                "effort": [one.torque for one in found],
-            }
+            by_name = {self.names[node - 1]: state for node, state in self._measured.items()}
+            self._publish(by_name)
             self._measured = {}
-            self._node.say(
-                self._states,
-                messages.JointState(
-                    header=messages.stamped(time.time()),
-                    name=[self.names[one.node - 1] for one in found],
-                    position=[one.angle for one in found],
-                    **{key: value if key in self.tells else [] for key, value in columns.items()},
-                ),
-            )
+
+    def _publish(self, states: dict[str, JointState]) -> None:
+        names = sorted(states, reverse=True)
+        velocities: list[float] = []
+        efforts: list[float] = []
+        if "velocity" in self.tells:
+            velocities = [states[name].rate for name in names]
+        if "effort" in self.tells:
+            efforts = [states[name].torque for name in names]
+        message = messages.JointState(
+            header=messages.stamped(time.time()),
+            name=names,
+            position=[states[name].angle for name in names],
+            velocity=velocities,
+            effort=efforts,
+        )
+        self._node.say(self._states, message)
 
     def __exit__(self, *_: object) -> None:
         """Leave the network."""
@@ -133,7 +162,8 @@ class Poses:
     host, port = "127.0.0.1", 1  # a lab tells some; topics have none
 
     def __init__(self, domain: int, topic: str = TOPIC) -> None:
-        self._domain, self.topic = domain, topic
+        self._domain = domain
+        self.topic = topic
 
     def start(self) -> None:
         """Join the network."""
@@ -147,16 +177,17 @@ class Poses:
     def publish(self, frame: protocol.MocapFrame) -> None:
         """Say what the cameras see."""
         pose = frame.bodies[0]
-        place = [math.nan] * 3 if pose is None else pose.position.tolist()
-        w, x, y, z = (1.0, 0.0, 0.0, 0.0) if pose is None else to_quaternion(pose.rotation)
-        point, turned = (
-            messages.Point(*place),
-            messages.Quaternion(x=float(x), y=float(y), z=float(z), w=float(w)),
+        position = UNSEEN
+        quaternion = UPRIGHT
+        if pose is not None:
+            position = pose.position.tolist()
+            quaternion = to_quaternion(pose.rotation)
+        w, x, y, z = map(float, quaternion)
+        message = messages.PoseStamped(
+            header=messages.stamped(EPOCH + frame.timestamp, "tank"),
+            pose=messages.Pose(messages.Point(*position), messages.Quaternion(x=x, y=y, z=z, w=w)),
         )
-        header = messages.stamped(EPOCH + frame.timestamp, "tank")
-        self._node.say(
-            self.topic, messages.PoseStamped(header=header, pose=messages.Pose(point, turned))
-        )
+        self._node.say(self.topic, message)
 
 
 def tank_behind_ros(robot: str = "mamba", seed: int = 0) -> lab.Tank:
@@ -166,41 +197,40 @@ def tank_behind_ros(robot: str = "mamba", seed: int = 0) -> lab.Tank:
         robot: A preset.
         seed: Of all that is random.
     """
-    usual = lab.LabSettings(seed=seed)
+    settings = lab.LabSettings(seed=seed)
     nodes = replace(
-        usual.nodes,
+        settings.nodes,
         hold_after=FOR_EVER,
         limp_after=FOR_EVER,
         startup_time=0.0,
         calibration_time=0.0,
         zero_error=0.0,
     )
-    what = lc.load_robot(robot)
-    body = lab.VirtualRobot(
-        what, lc.build_plant(what, lc.load_water("paper-lateral"), joints="servo")
-    )
-    return lab.Tank(body, replace(usual, nodes=nodes))
+    preset = lc.load_robot(robot)
+    plant = lc.build_plant(preset, lc.load_water("paper-lateral"), joints="servo")
+    body = lab.VirtualRobot(preset, plant)
+    return lab.Tank(body, replace(settings, nodes=nodes))
 
 
 def main(domain: str = "0", space: str = "") -> None:
     """A tank until Ctrl-C."""
     tank = tank_behind_ros()
-    controllers, poses = (
-        Controllers(len(tank.nodes), int(domain), space),
-        Poses(int(domain), f"{space}{TOPIC}"),
-    )
-    served = lab.Lab(tank, bus=controllers)
-    served.server = poses
-    meter = served.open().meter
-    joints = f"{space and f'{space}/'}{','.join(controllers.names)}"
+    controllers = Controllers(len(tank.nodes), int(domain), space)
+    poses = Poses(int(domain), f"{space}{TOPIC}")
+    virtual_lab = lab.Lab(tank, bus=controllers)
+    virtual_lab.server = poses
+    meter = virtual_lab.open().meter
+    joints = ",".join(controllers.names)
+    if space:
+        joints = f"{space}/{joints}"
     print(
         f"bus ros2@{joints}:{domain} | mocap ros2@{poses.topic}:{domain} | meter {meter}",
         flush=True,
     )
     try:
-        served.run()
+        virtual_lab.run()
     except KeyboardInterrupt:
-        served.close()
+        virtual_lab.close()
 
 
 if __name__ == "__main__":

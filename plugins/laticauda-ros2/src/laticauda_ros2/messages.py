@@ -92,7 +92,7 @@ Empty = _type("std_msgs/Empty", structure_needs_at_least_one_member=uint8)
 def numbers(values: Any) -> Any:
     """A `Float64MultiArray` of these values, as `ros2 topic pub` would make it."""
     return Float64MultiArray(
-        layout=Layout(dim=[], data_offset=0), data=[float(one) for one in values]
+        layout=Layout(dim=[], data_offset=0), data=[float(value) for value in values]
     )
 
 

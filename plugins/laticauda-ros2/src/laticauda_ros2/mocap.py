@@ -9,19 +9,24 @@ from laticauda.robot import from_quaternion
 from laticauda.tank.operate.drivers import Clock, DeviceFailed, MotionCapture
 from laticauda.values import BadArgument
 from laticauda_ros2.messages import PoseStamped
-from laticauda_ros2.node import PATIENCE, TOPIC, Node, name_and_domain, waited
+from laticauda_ros2.node import PATIENCE, TOPIC, Node, name_and_domain, wait_until
 
-LISTENS = 0.1  # until it looks whether it is to end [s]
-RESTARTED = 1.0  # a frame that is older than the last by so much is of a clock that began anew [s]
+LISTENS = 0.1
+"""Time after which it looks whether it is to end [s]."""
+RESTARTED = 1.0
+"""A frame that is older than the last by so much is of a clock that began anew [s]."""
+LARGEST_DEVIATION = 0.01
+"""By how much the length of a quaternion may differ from 1."""
 LOST = np.full(3, np.nan)
+"""Position of a body that the cameras do not see [m]."""
 
 
 class NoPose(ValueError):
-    """A message makes no sense: it says why."""
+    """Raised if a message makes no sense; its message says why."""
 
 
 def sample(message: Any) -> PoseSample:
-    """Where a message says that its body is; nan in its position says that it was not seen.
+    """Return where a message says that its body is; nan in its position says that it was not seen.
 
     Args:
         message: A `PoseStamped`; None: bytes that are none.
@@ -31,26 +36,25 @@ def sample(message: Any) -> PoseSample:
     """
     if message is None:
         raise NoPose("its bytes are not those of its type")
-    stamp, position, quaternion = (
-        message.header.stamp,
-        message.pose.position,
-        message.pose.orientation,
-    )
-    if not (stamp.sec >= 0 and stamp.nanosec < 10**9 and (stamp.sec or stamp.nanosec)):
+    stamp = message.header.stamp
+    point = message.pose.position
+    orientation = message.pose.orientation
+    is_set = stamp.sec != 0 or stamp.nanosec != 0
+    if not is_set or stamp.sec < 0 or stamp.nanosec >= 10**9:
         raise NoPose(f"its stamp must be a time, got {stamp.sec} s and {stamp.nanosec} ns")
     time = stamp.sec + 1e-9 * stamp.nanosec
-    place = np.array([position.x, position.y, position.z])
-    if np.isnan(place).any():
+    position = np.array([point.x, point.y, point.z])
+    if np.isnan(position).any():
         return PoseSample(time=time, position=LOST)
-    turned = np.array([quaternion.w, quaternion.x, quaternion.y, quaternion.z])
-    length = float(np.linalg.norm(turned))
-    if not np.isfinite(place).all() or not abs(length - 1.0) <= 0.01:
+    quaternion = np.array([orientation.w, orientation.x, orientation.y, orientation.z])
+    length = float(np.linalg.norm(quaternion))
+    has_unit_length = abs(length - 1.0) <= LARGEST_DEVIATION  # not if it is nan
+    if not np.isfinite(position).all() or not has_unit_length:
         raise NoPose(
-            f"its position must be finite and its quaternion have length 1, got {place} and {length:g}"
+            f"its position must be finite and its quaternion have length 1, got {position} and {length:g}"
         )
-    return PoseSample(
-        time=time, position=place, rotation=from_quaternion(*(turned / length).tolist())
-    )
+    rotation = from_quaternion(*(quaternion / length).tolist())
+    return PoseSample(time=time, position=position, rotation=rotation)
 
 
 class Ros2Poses(MotionCapture):
@@ -61,34 +65,36 @@ class Ros2Poses(MotionCapture):
     def __init__(self, address: str, clock: Clock, body: str = "") -> None:
         super().__init__(address, clock, body)
         self._topic, domain = name_and_domain(address)
-        named = body.replace("-", "_")  # a topic has no hyphens
-        if named and named not in self._topic.split("/"):
+        part_of_topic = body.replace("-", "_")  # a topic has no hyphens
+        if part_of_topic and part_of_topic not in self._topic.split("/"):
             raise DeviceFailed(
                 f"The poses at {address} do not name their body: leave `mocap_body` empty, or use a topic "
-                f"that is named after {body!r}, such as /{named}/pose."
+                f"that is named after {body!r}, such as /{part_of_topic}/pose."
             )
-        self._last = -np.inf
+        self._last_frame_time = -np.inf
         self._node = Node(domain)
         self._node.read(self._topic, PoseStamped)
-        if not waited(self._heard, PATIENCE):
+        if not wait_until(self._hear, PATIENCE):
             self._node.close()
-            why = f": {self._trouble}" if self._trouble else ""
-            raise DeviceFailed(
-                f"No PoseStamped arrives on {address}{why}. Check its domain, here {domain}, and `ros2 topic info -v`."
-            )
+            reason = ""
+            if self._trouble:
+                reason = f": {self._trouble}"
+            advice = f"Check its domain, here {domain}, and `ros2 topic info -v`."
+            raise DeviceFailed(f"No PoseStamped arrives on {address}{reason}. {advice}")
         self._start()
 
     @classmethod
     def check(cls, address: str) -> None:
         """See `laticauda.tank.operate.drivers.base.Driver.check`."""
-        if not TOPIC.fullmatch(name_and_domain(address)[0]):
+        topic, _ = name_and_domain(address)
+        if not TOPIC.fullmatch(topic):
             raise BadArgument(
                 "address", f"must be TOPIC or TOPIC:DOMAIN, such as /tail/pose:0, got {address!r}"
             )
 
-    def _heard(self) -> bool:
-        """Take what has come; whether a pose was there."""
-        before = self._last
+    def _hear(self) -> bool:
+        """Take what has come, and return whether a new pose was there."""
+        is_new = False
         for message in self._node.taken(self._topic):
             try:
                 pose = sample(message)
@@ -96,17 +102,18 @@ class Ros2Poses(MotionCapture):
                 self._trouble = f"invalid message: {error}"
                 continue
             self._trouble = ""
-            late = self._last - pose.time
-            if late < 0.0 or late > RESTARTED:
-                self._last = pose.time
+            lateness = self._last_frame_time - pose.time
+            if lateness < 0.0 or lateness > RESTARTED:
+                self._last_frame_time = pose.time
                 self._received.append((self._clock.now(), pose))
-        return self._last != before
+                is_new = True
+        return is_new
 
     def work(self) -> None:
         """Take poses until the end."""
         while not self._ended.is_set():
             self._node.wait(LISTENS)
-            self._heard()
+            self._hear()
 
     def release(self) -> None:
         """Leave the network."""

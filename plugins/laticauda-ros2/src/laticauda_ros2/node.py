@@ -28,14 +28,19 @@ from laticauda.values import BadArgument
 
 TOPIC = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+")
 DOMAINS = range(233)
-PATIENCE = 4.0  # for what is to be on the network [s, wall clock]
-LOOKS = 0.02  # between two looks at what is on the network [s]
-HEARS = Qos(Policy.Reliability.BestEffort, Policy.History.KeepLast(100))  # of any publisher
+"""Numbers of domains of DDS."""
+PATIENCE = 4.0
+"""How long it waits for what is to be on the network [s, wall clock]."""
+LOOKS = 0.02
+"""Time between two looks at what is on the network [s]."""
+HEARS = Qos(Policy.Reliability.BestEffort, Policy.History.KeepLast(100))
+"""Quality of service of a reader, which any publisher matches."""
 SAYS = Qos(
     Policy.Reliability.Reliable(duration(seconds=0.1)),
     Policy.History.KeepLast(1),
     Policy.DataRepresentation(use_cdrv0_representation=True),
 )
+"""Quality of service of a writer, which any subscriber matches."""
 ANY = SampleState.Any | ViewState.Any | InstanceState.Any
 
 
@@ -45,8 +50,9 @@ def name_and_domain(address: str) -> tuple[str, int]:
     Raises:
         ValueError: If the domain is none.
     """
-    name, _, number = address.partition(":")
-    number = number if ":" in address else os.environ.get("ROS_DOMAIN_ID", "") or "0"
+    name, colon, number = address.partition(":")
+    if not colon:
+        number = os.environ.get("ROS_DOMAIN_ID", "") or "0"
     if not (number.isascii() and number.isdigit() and int(number) in DOMAINS):
         raise BadArgument(
             "address", f"must have a domain from {DOMAINS[0]} to {DOMAINS[-1]}, got {number!r}"
@@ -75,7 +81,8 @@ class Node:
             raise DeviceFailed(
                 f"DDS domain {domain} cannot be joined: {error.msg}. Check the network, and CYCLONEDDS_URI."
             ) from error
-        self._ends: dict[str, Any] = {}
+        self._readers: dict[str, DataReader[Any]] = {}
+        self._writers: dict[str, DataWriter[Any]] = {}
 
     def read(self, topic: str, kind: Any) -> None:
         """Begin to hear a topic: with best effort, so that every publisher of it is heard.
@@ -84,11 +91,10 @@ class Node:
             topic: As ROS 2 says it.
             kind: Of its messages.
         """
-        inner = DataReader(
-            self._participant, Topic(self._participant, f"rt{topic}", kind), qos=HEARS
-        )
-        self._ends[topic] = inner
-        self._waits.attach(ReadCondition(inner, ANY))
+        dds_topic = Topic(self._participant, f"rt{topic}", kind)
+        reader = DataReader(self._participant, dds_topic, qos=HEARS)
+        self._readers[topic] = reader
+        self._waits.attach(ReadCondition(reader, ANY))
 
     def taken(self, topic: str) -> Iterator[Any]:
         """What has come by a topic since, oldest first; None stands for a message that makes no sense.
@@ -98,18 +104,17 @@ class Node:
         """
         while True:
             try:
-                found = self._ends[topic].take(N=1)
+                samples = self._readers[topic].take(N=1)
             except (DDSException, KeyError):
                 raise
-            except (
-                Exception
-            ):  # whatever the decoder finds to say of bytes that are none of its type
+            except Exception:  # whatever the decoder says of bytes that are none of its type
                 yield None
                 continue
-            if not found:
+            if not samples:
                 return
-            if found[0].sample_info.valid_data:  # not the news that a publisher left
-                yield found[0]
+            (sample,) = samples
+            if sample.sample_info.valid_data:  # not the news that a publisher left
+                yield sample
 
     def write(self, topic: str, kind: Any) -> None:
         """Begin to publish a topic: reliably, so that every subscriber of it hears.
@@ -118,9 +123,8 @@ class Node:
             topic: As ROS 2 says it.
             kind: Of its messages.
         """
-        self._ends[topic] = DataWriter(
-            self._participant, Topic(self._participant, f"rt{topic}", kind), qos=SAYS
-        )
+        dds_topic = Topic(self._participant, f"rt{topic}", kind)
+        self._writers[topic] = DataWriter(self._participant, dds_topic, qos=SAYS)
 
     def say(self, topic: str, message: Any) -> None:
         """Publish a message.
@@ -129,11 +133,11 @@ class Node:
             topic: That is written.
             message: Of its kind.
         """
-        self._ends[topic].write(message)
+        self._writers[topic].write(message)
 
     def is_heard(self, topic: str) -> bool:
         """Whether anybody subscribes to a topic that is written."""
-        return self._ends[topic].get_publication_matched_status().current_count > 0
+        return self._writers[topic].get_publication_matched_status().current_count > 0
 
     def has_arrived(self, topic: str, patience: float) -> bool:
         """Whether all who subscribe have what was published last.
@@ -142,7 +146,7 @@ class Node:
             topic: That is written.
             patience: How long to wait for it [s, wall clock].
         """
-        return bool(self._ends[topic].wait_for_acks(duration(seconds=patience)))
+        return bool(self._writers[topic].wait_for_acks(duration(seconds=patience)))
 
     def wait(self, longest: float) -> None:
         """Until something comes, or somebody wakes it.
@@ -161,14 +165,18 @@ class Node:
 
     def close(self) -> None:
         """Leave the network: what was made last goes first."""
-        self._waits = self._guard = None
-        self._ends.clear()
+        self._waits = None
+        self._guard = None
+        self._readers.clear()
+        self._writers.clear()
         self._participant = None
 
 
-def waited(holds: Callable[[], bool], patience: float) -> bool:
-    """Whether something holds within some time [s, wall clock]."""
+def wait_until(holds: Callable[[], bool], patience: float) -> bool:
+    """Wait until something holds, and return whether it did within some time [s, wall clock]."""
     end = time.monotonic() + patience
-    while not (held := holds()) and time.monotonic() < end:
+    while not holds():
+        if time.monotonic() >= end:
+            return False
         time.sleep(LOOKS)
-    return held
+    return True

@@ -1,5 +1,6 @@
 """`swimbench`: score policies, print the table, and regenerate what the benchmark is made of."""
 
+import re
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -44,18 +45,16 @@ class List(Command):
         """Collect both."""
         from laticauda_swimbench.methods import NUMBERS
 
-        scenarios = [challenge(name) for name in CHALLENGES]
-        lines = [
-            "Scenarios:",
-            *[f"  {one.name:12} version {one.version}: {one.description}" for one in scenarios],
-        ]
-        lines += ["Baselines:", *[f"  {name:12} {one['note']}" for name, one in NUMBERS.items()]]
-        facts = {
-            "scenarios": {
-                one.name: {"version": one.version, "sha256": one.sha256} for one in scenarios
-            },
-            "baselines": list(NUMBERS),
-        }
+        lines = ["Scenarios:"]
+        scenarios: dict[str, dict[str, Any]] = {}
+        for name in CHALLENGES:
+            scenario = challenge(name)
+            lines.append(f"  {name:12} version {scenario.version}: {scenario.description}")
+            scenarios[name] = {"version": scenario.version, "sha256": scenario.sha256}
+        lines.append("Baselines:")
+        for name, numbers in NUMBERS.items():
+            lines.append(f"  {name:12} {numbers['note']}")
+        facts = {"scenarios": scenarios, "baselines": list(NUMBERS)}
         return Outcome(facts=facts, text="\n".join(lines))
 
 
@@ -77,41 +76,45 @@ class Score(Command):
     def run(self) -> Outcome:
         """Score one after the other."""
         from laticauda_swimbench.methods import NUMBERS, Method, method
-        from laticauda_swimbench.scoring import score, text_of
+        from laticauda_swimbench.scoring import score
         from laticauda_swimbench.table import table
 
         for name in self.scenarios:
             check_choice("scenarios", name, CHALLENGES)
-        methods, missing = dict[str, Method](), list[str]()
-        for text in self.policies or NUMBERS:  # refuse a bad one before the first is scored
+        methods: dict[str, Method] = {}
+        missing: list[str] = []
+        for policy in self.policies or NUMBERS:  # refuse a bad one before the first is scored
             try:
-                methods[text] = method(text, self.scenarios)
+                methods[policy] = method(policy, self.scenarios)
             except NotInstalled as lack:
                 if self.policies:
                     raise
-                missing.append(f"Not scored: {text}. {lack}")
+                missing.append(f"Not scored: {policy}. {lack}")
         contents: list[dict[str, Any]] = []
-        for text, each in methods.items():
-            contents.append(
-                score(
-                    each,
-                    self.scenarios,
-                    show_progress(SHARE, what=f"scored {each.name}", patience=2.0),
-                )
-            )
+        for policy, scored in methods.items():
+            progress = show_progress(SHARE, what=f"scored {scored.name}", patience=2.0)
+            content = score(scored, self.scenarios, progress)
             if self.output is not None:
-                folder = Path(self.output)
-                folder.mkdir(parents=True, exist_ok=True)
-                write(folder / f"{_file_name(text)}.json", text_of(contents[-1]))
-        seconds = sum(one["seconds"] for one in contents)
+                _write_scores(content, policy, Path(self.output))
+            contents.append(content)
+        seconds = sum(content["seconds"] for content in contents)
         text = f"{table(contents)}\n\nScored in {seconds:.0f} s."
         return Outcome(facts={"scores": contents}, text=text, problem="\n".join(missing))
 
 
+def _write_scores(content: dict[str, Any], policy: str, folder: Path) -> None:
+    from laticauda_swimbench.scoring import text_of
+
+    folder.mkdir(parents=True, exist_ok=True)
+    write(folder / f"{_file_name(policy)}.json", text_of(content))
+
+
 def _file_name(policy: str) -> str:
     """Return a policy's file name without folder and extension, or both parts of module:name."""
-    stem = Path(policy).stem if Path(policy).suffix in (".onnx", ".npz") else policy
-    return "".join(letter if letter.isalnum() or letter in "-_." else "-" for letter in stem)
+    name = policy
+    if Path(policy).suffix in (".onnx", ".npz"):
+        name = Path(policy).stem
+    return re.sub(r"[^\w.-]", "-", name)
 
 
 @value_class
@@ -129,12 +132,16 @@ class Table(Command):
         from laticauda_swimbench.scoring import read_scores
         from laticauda_swimbench.table import row, table
 
-        own = sorted(RESULTS.glob("*.json")) if self.baselines or not self.files else []
-        contents = [read_scores(file) for file in [*own, *self.files]]
-        facts = {
-            one["method"]["name"]: {name: each._asdict() for name, each in row(one).items()}
-            for one in contents
-        }
+        files: list[str | Path] = list(self.files)
+        if self.baselines or not self.files:
+            files = [*sorted(RESULTS.glob("*.json")), *files]
+        contents = [read_scores(file) for file in files]
+        facts: dict[str, dict[str, Any]] = {}
+        for content in contents:
+            estimates = row(content)
+            facts[content["method"]["name"]] = {
+                name: estimate._asdict() for name, estimate in estimates.items()
+            }
         return Outcome(facts=facts, text=table(contents))
 
 
@@ -163,8 +170,8 @@ class Train(Command):
         for seed in self.seeds:
             for name in self.scenarios:
                 challenge(name)
-                said = train(self.learner, name, seed, self.steps, folder, self._tell)
-                seconds += said["seconds"]
+                progress = train(self.learner, name, seed, self.steps, folder, self._tell)
+                seconds += progress["seconds"]
                 collect(self.learner, name, folder, folder / f"{self.learner}-{name}.npz")
         return Outcome(
             facts={"seconds": seconds},
@@ -187,15 +194,12 @@ class Search(Command):
         from laticauda_swimbench.search import ends, search
 
         check_whole_number("evaluations", self.evaluations, 1)
-        found = search(
+        numbers = search(
             self.scenario, self.evaluations, lambda line: self.announce({"told": line}, line)
         )
-        baseline, reference = ends(self.scenario, found)
-        facts = {"baseline": baseline, "reference": reference, "laws": found}
-        lines = [
-            f"{name} = {one!r}"
-            for name, one in {"baseline": baseline, "reference": reference, **found}.items()
-        ]
+        scale = ends(self.scenario, numbers)._asdict()
+        facts = {**scale, "laws": numbers}
+        lines = [f"{name} = {number!r}" for name, number in {**scale, **numbers}.items()]
         return Outcome(facts=facts, text="\n".join(lines))
 
 
@@ -257,22 +261,11 @@ def main(args: Sequence[str] | None = None) -> int:
     """
     words = list(sys.argv[1:] if args is None else args)
     if not words or words[0] in ("-h", "--help"):
-        lines = [
-            f"  {name:8} {(kind.__doc__ or '').splitlines()[0]}" for name, kind in COMMANDS.items()
-        ]
-        print(
-            "\n".join(
-                [
-                    f"usage: {PROGRAM} COMMAND; `{PROGRAM} COMMAND --help` explains a command.",
-                    "",
-                    *lines,
-                ]
-            )
-        )
+        _print_usage()
         return 0
     try:
-        chosen = COMMANDS[check_choice("command", words[0], tuple(COMMANDS))]
-        return parse_command(chosen, words[1:], f"{PROGRAM} {words[0]}")()
+        command = COMMANDS[check_choice("command", words[0], tuple(COMMANDS))]
+        return parse_command(command, words[1:], f"{PROGRAM} {words[0]}")()
     except SystemExit as end:  # tyro has printed its help or an error
         return end.code if isinstance(end.code, int) else 2
     except KeyboardInterrupt:
@@ -281,6 +274,13 @@ def main(args: Sequence[str] | None = None) -> int:
     except (BadArgument, BadFlag, LaticaudaError, ValueError, OSError) as error:
         print(f"{PROGRAM}: {error}", file=sys.stderr)
         return 2
+
+
+def _print_usage() -> None:
+    print(f"usage: {PROGRAM} COMMAND; `{PROGRAM} COMMAND --help` explains a command.\n")
+    for name, command in COMMANDS.items():
+        first_line = (command.__doc__ or "").splitlines()[0]
+        print(f"  {name:8} {first_line}")
 
 
 if __name__ == "__main__":

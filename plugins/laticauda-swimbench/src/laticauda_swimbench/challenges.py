@@ -23,7 +23,18 @@ from laticauda_swimbench.task import Swim
 FOLDER = Path(__file__).parent / "scenarios"
 CHALLENGES = ("speed", "economy", "path", "disturbance", "broken")
 """Names of the scenarios, in the order of the table."""
-NOTHING = 1e-9  # remainder of a motor that is off, in the unit of each field: a law needs positive numbers
+NOTHING = 1e-9
+"""What remains of a motor that is off, in the unit of each field: a law needs positive numbers."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class TaskSeeds:
+    """A task, and the episodes that are swum in it."""
+
+    task: Swim
+    """The task."""
+    seeds: tuple[int, ...]
+    """Seeds, one per episode."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,15 +64,20 @@ class Challenge:
         """Return the score (J - J_0) / (J_1 - J_0) of an `objective` J [m/s]."""
         return (objective - self.baseline) / (self.reference - self.baseline)
 
-    def shares(self, seeds: tuple[int, ...] | None = None) -> list[tuple[Swim, list[int]]]:
-        """Return the tasks, each with its seeds.
+    def shares(self, seeds: tuple[int, ...] | None = None) -> list[TaskSeeds]:
+        """Return the tasks, each with its seeds; tasks without a seed are left out.
 
         Args:
             seeds: Seeds of episodes; None: those of the scored episodes.
         """
-        chosen = self.seeds if seeds is None else seeds
-        n = len(self.tasks)
-        return [(task, list(chosen[i::n])) for i, task in enumerate(self.tasks) if chosen[i::n]]
+        if seeds is None:
+            seeds = self.seeds
+        shares: list[TaskSeeds] = []
+        for i, task in enumerate(self.tasks):
+            seeds_of_task = seeds[i :: len(self.tasks)]
+            if seeds_of_task:
+                shares.append(TaskSeeds(task=task, seeds=seeds_of_task))
+        return shares
 
 
 @cache
@@ -76,19 +92,21 @@ def challenge(name: str) -> Challenge:
     """
     file = FOLDER / f"{check_choice('scenario', name, CHALLENGES)}.toml"
     table, sha256 = read_challenge_file(file)
-    swims = cast(Scenario, run_from_table(table["swims"]))
-    robots = [
-        swims.robot,
-        *[limp(swims.robot, joint, table["limp_damping"]) for joint in table.get("limp", ())],
-    ]
-    scenarios = [replace(swims, robot=one) for one in (robots[1:] or robots)]
+    healthy = cast(Scenario, run_from_table(table["swims"]))
+    scenarios: list[Scenario] = []
+    for joint in table.get("limp", ()):
+        robot = limp(healthy.robot, joint, table["limp_damping"])
+        scenarios.append(replace(healthy, robot=robot))
+    if not scenarios:
+        scenarios.append(healthy)
+    tasks = [codec.decode(Swim, table["task"] | {"scenario": scenario}) for scenario in scenarios]
     return Challenge(
         name=name,
         version=table["scenario_version"],
         description=table["description"],
         sha256=sha256,
         seeds=tuple(table["seeds"]),
-        tasks=tuple(codec.decode(Swim, table["task"] | {"scenario": one}) for one in scenarios),
+        tasks=tuple(tasks),
         baseline=table["score"]["baseline"],
         reference=table["score"]["reference"],
         laws=table["score"]["laws"],
@@ -135,7 +153,9 @@ def make(
         (13,)
     """
     task = challenge(name).tasks[variant]
-    return SwimmingEnv(task, **how) if n is None else SwimmingVectorEnv(n, task=task, **how)
+    if n is None:
+        return SwimmingEnv(task, **how)
+    return SwimmingVectorEnv(n, task=task, **how)
 
 
 def scenario_of(name: str) -> lc.Scenario:

@@ -27,6 +27,8 @@ from laticauda_swimbench.challenges import CHALLENGES, Challenge
 from laticauda_swimbench.task import Swim
 
 HERE = Path(__file__).parent
+GAIT_NUMBERS = ("amplitude", "frequency", "phase_shift")
+"""Numbers of a law that are its gait's."""
 SCENARIO = "{scenario}"
 """Placeholder for the scenario's name in a policy that has one part per scenario."""
 Act = Callable[[np.ndarray], np.ndarray]
@@ -72,19 +74,19 @@ def _piloted(controller: lc.Controller[Any], episodes: Episodes) -> Act:
         pilots = Pilots(controller, episodes)
         return lambda observed: pilots.actions()
 
-    usual_of_action = {
+    values_of_gait = {
         action.name: getattr(controller.gait, action.name) for action in episodes.task.actions
     }
 
     def act(observed: np.ndarray) -> np.ndarray:
         decisions = steering.step(_seen_by_controllers(episodes))
-        asked = np.empty((episodes.n, len(usual_of_action)))
-        for column, (name, usual) in enumerate(usual_of_action.items()):
+        commands = np.empty((episodes.n, len(values_of_gait)))
+        for column, (name, value_of_gait) in enumerate(values_of_gait.items()):
             if name == "offset":
-                asked[:, column] = usual + decisions.get("offset", 0.0)
+                commands[:, column] = value_of_gait + decisions.get("offset", 0.0)
             else:
-                asked[:, column] = decisions.get(name, usual)
-        return (asked - episodes.middle) / episodes.half
+                commands[:, column] = decisions.get(name, value_of_gait)
+        return (commands - episodes.middle) / episodes.half
 
     return act
 
@@ -111,13 +113,15 @@ def law(gait: lc.Gait, interval: float, numbers: dict[str, float]) -> lc.PathFol
         interval: Time between two control instants [s].
         numbers: look_ahead_distance, gain, max_offset, and integral_gain for the integral law.
     """
-    given = dict(numbers)
-    shape = {
-        name: given.pop(name) for name in ("amplitude", "frequency", "phase_shift") if name in given
+    changes_of_gait = {name: numbers[name] for name in GAIT_NUMBERS if name in numbers}
+    settings: dict[str, Any] = {
+        name: number for name, number in numbers.items() if name not in GAIT_NUMBERS
     }
-    guidance = "integral_line_of_sight" if "integral_gain" in given else "line_of_sight"
-    following: Any = {"guidance": guidance, "interval": interval, **given}
-    return lc.Following(**following).controller(replace(gait, **shape))
+    settings["guidance"] = "line_of_sight"
+    if "integral_gain" in numbers:
+        settings["guidance"] = "integral_line_of_sight"
+    following = lc.Following(interval=interval, **settings)
+    return following.controller(replace(gait, **changes_of_gait))
 
 
 def law_pilot(numbers: dict[str, float]) -> Pilot:
@@ -147,7 +151,8 @@ def reference_law(challenge: Challenge, run: int, episodes: Episodes) -> Act:
 def _plan(numbers: dict[str, Any]) -> Pilot:
     """Plan with the averaged model of the healthy robot in still water; the scenario's price sets the cost of power."""
     needed("The plan", "casadi")  # before anything is scored
-    model, low, high = AveragedModel(**numbers["model"]), *numbers["frequency_limits"]
+    model = AveragedModel(**numbers["model"])
+    low, high = numbers["frequency_limits"]
 
     def pilot(challenge: Challenge, run: int, episodes: Episodes) -> Act:
         task = cast(Swim, episodes.task)
@@ -172,68 +177,90 @@ NUMBERS = read_toml(HERE / "baselines.toml")
 
 
 def _baseline(name: str, scenarios: Sequence[str]) -> Method:
-    said = dict(NUMBERS[name])
-    kind, title, note = (said.pop(one, "") for one in ("kind", "title", "note"))
-    content = repr(sorted(said.items())).encode()
+    numbers = dict(NUMBERS[name])
+    kind = numbers.pop("kind", "")
+    title = numbers.pop("title", "")
+    note = numbers.pop("note", "")
     if kind == "network":
-        return replace(
-            _each(str(HERE / "policies" / f"{name}-{SCENARIO}.npz"), scenarios),
-            name=title,
-            note=note,
-        )
-    made: dict[str, Pilot] = {"open loop": _open_loop, "searched law": reference_law}
-    pilot = made.get(kind) or (law_pilot(said) if kind == "law" else _plan(said))
+        file = HERE / "policies" / f"{name}-{SCENARIO}.npz"
+        return replace(_one_per_scenario(str(file), scenarios), name=title, note=note)
+    content = repr(sorted(numbers.items())).encode()
+    pilot = _pilot_of_kind(kind, numbers)
     return Method(name=title, kind=kind, note=note, sha256=_digest(content), pilot=pilot)
+
+
+def _pilot_of_kind(kind: str, numbers: dict[str, Any]) -> Pilot:
+    if kind == "open loop":
+        return _open_loop
+    if kind == "searched law":
+        return reference_law
+    if kind == "law":
+        return law_pilot(numbers)
+    return _plan(numbers)
 
 
 # ---- from outside --------------------------------------------------------------------------------
 
 
-def _called(text: str) -> Method:
+def _import_policy(text: str) -> Method:
     """`module:name`: a function of an observation, a class of such callables, a controller, or its class."""
-    place, _, name = text.partition(":")
+    module_name, _, name = text.partition(":")
     sys.path.insert(0, "")  # a module in the working directory
     try:
-        module = import_module(place)
+        module = import_module(module_name)
     except ImportError as error:
         raise BadArgument(
             "policy", f"must name a module that can be imported, got {text}: {error}"
         ) from error
     finally:
         sys.path.remove("")
-    found: Any = getattr(module, name, None)
-    is_class, is_controller = inspect.isclass(found), isinstance(found, lc.Controller)
-    if not (callable(found) or is_controller):
+    policy: Any = getattr(module, name, None)
+    if not (callable(policy) or isinstance(policy, lc.Controller)):
         raise BadArgument("policy", f"must name a function, a class or a controller, got {text}")
+    content = text.encode()
     file = inspect.getsourcefile(module)
-    content = Path(file).read_bytes() if file else text.encode()
+    if file:
+        content = Path(file).read_bytes()
+    return Method(
+        name=text, kind="callable", sha256=_digest(content), pilot=_pilot_of_policy(policy)
+    )
 
-    made: Any = found
+
+def _pilot_of_policy(policy: Any) -> Pilot:
+    """Return a pilot for a function, a class or a controller; every robot has an object of its own of a class."""
 
     def pilot(challenge: Challenge, run: int, episodes: Episodes) -> Act:
-        each: list[Any] = [made() if is_class else made for _ in range(episodes.n)]
-        if isinstance(each[0], lc.Controller):
-            return _piloted(cast("lc.Controller[Any]", each[0]), episodes)
-        return lambda observed: np.array(
-            [one(row) for one, row in zip(each, observed, strict=True)], dtype=float
-        )
+        policies: list[Any] = [policy] * episodes.n
+        if inspect.isclass(policy):
+            policies = [policy() for _ in range(episodes.n)]
+        if isinstance(policies[0], lc.Controller):
+            return _piloted(cast("lc.Controller[Any]", policies[0]), episodes)
 
-    return Method(name=text, kind="callable", sha256=_digest(content), pilot=pilot)
+        def act(observed: np.ndarray) -> np.ndarray:
+            actions = [own(row) for own, row in zip(policies, observed, strict=True)]
+            return np.array(actions, dtype=float)
+
+        return act
+
+    return pilot
 
 
 def _onnx(file: Path) -> Method:
     """A network in an ONNX file: it takes rows of observations in float32, and its first output is the actions."""
     runtime = needed("A policy in an ONNX file", "onnxruntime")
-    how = runtime.SessionOptions()
-    how.intra_op_num_threads = how.inter_op_num_threads = 1  # the same sums in the same order
-    session = runtime.InferenceSession(str(file), how, providers=["CPUExecutionProvider"])
-    given = session.get_inputs()[0].name
+    options = runtime.SessionOptions()
+    # The same sums in the same order.
+    options.intra_op_num_threads = 1
+    options.inter_op_num_threads = 1
+    session = runtime.InferenceSession(str(file), options, providers=["CPUExecutionProvider"])
+    input_name = session.get_inputs()[0].name
 
     def act(observed: np.ndarray) -> np.ndarray:
-        rows = observed.astype(np.float32)
-        return np.concatenate(
-            [session.run(None, {given: row[np.newaxis]})[0] for row in rows]
-        ).astype(float)
+        actions: list[np.ndarray] = []
+        for row in observed.astype(np.float32):
+            outputs = session.run(None, {input_name: row[np.newaxis]})
+            actions.append(outputs[0])
+        return np.concatenate(actions).astype(float)
 
     return Method(
         name=file.stem,
@@ -244,28 +271,30 @@ def _onnx(file: Path) -> Method:
 
 
 def _weights(file: Path) -> Method:
-    found = networks.load(file)
+    network_of_run = networks.load(file)
     return Method(
         name=file.stem,
         kind="network",
         sha256=_digest(file.read_bytes()),
-        pilot=lambda challenge, run, episodes: found[run],
-        runs=len(found),
+        pilot=lambda challenge, run, episodes: network_of_run[run],
+        runs=len(network_of_run),
     )
 
 
-def _each(text: str, scenarios: Sequence[str]) -> Method:
+def _one_per_scenario(text: str, scenarios: Sequence[str]) -> Method:
     """One policy per scenario: the scenario's name replaces `{scenario}`."""
-    parts = {name: method(text.replace(SCENARIO, name)) for name in scenarios}
-    first = parts[scenarios[0]]
+    methods = {name: method(text.replace(SCENARIO, name)) for name in scenarios}
+    digests = "".join(method_of_scenario.sha256 for method_of_scenario in methods.values())
+
+    def pilot(challenge: Challenge, run: int, episodes: Episodes) -> Act:
+        return methods[challenge.name].pilot(challenge, run, episodes)
+
     return Method(
         name=Path(text).stem,
-        kind=first.kind,
-        sha256=_digest("".join(one.sha256 for one in parts.values()).encode()),
-        pilot=lambda challenge, run, episodes: parts[challenge.name].pilot(
-            challenge, run, episodes
-        ),
-        runs=min(one.runs for one in parts.values()),
+        kind=methods[scenarios[0]].kind,
+        sha256=_digest(digests.encode()),
+        pilot=pilot,
+        runs=min(method_of_scenario.runs for method_of_scenario in methods.values()),
     )
 
 
@@ -282,12 +311,15 @@ def method(text: str, scenarios: Sequence[str] = CHALLENGES) -> Method:
         ImportError: If it needs a package that is not installed, as `NotInstalled`.
     """
     if SCENARIO in text:
-        return _each(text, scenarios)
+        return _one_per_scenario(text, scenarios)
     file = Path(text)
     if file.suffix in (".onnx", ".npz"):
         if not file.is_file():
             raise BadArgument("policy", f"must be an existing file, got {text}")
-        return _onnx(file) if file.suffix == ".onnx" else _weights(file)
+    if file.suffix == ".onnx":
+        return _onnx(file)
+    if file.suffix == ".npz":
+        return _weights(file)
     if ":" in text:
-        return _called(text)
+        return _import_policy(text)
     return _baseline(check_choice("policy", text, tuple(NUMBERS)), scenarios)

@@ -8,6 +8,7 @@ limits it before that.
 from collections.abc import Callable, Sequence
 from functools import cache
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,7 +16,18 @@ ACTIVATIONS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
     "tanh": np.tanh,
     "relu": lambda x: np.maximum(x, 0.0),
 }
-Layers = Sequence[tuple[np.ndarray, np.ndarray]]
+
+
+class Layer(NamedTuple):
+    """A layer of a network."""
+
+    weights: np.ndarray
+    """Weights (n_out, n_in) [-]."""
+    biases: np.ndarray
+    """Biases (n_out,) [-]."""
+
+
+Layers = Sequence[Layer]
 
 
 class Network:
@@ -28,35 +40,44 @@ class Network:
     """
 
     def __init__(self, layers: Layers, activation: str, squash: bool) -> None:
-        self.layers, self.activation, self.squash = layers, activation, squash
+        self.layers = layers
+        self.activation = activation
+        self.squash = squash
 
     def __call__(self, observed: np.ndarray) -> np.ndarray:
         """Return actions for observations, one row each; the sums do not depend on the number of rows."""
-        now, bend = observed, ACTIVATIONS[self.activation]
-        for i, (w, b) in enumerate(self.layers):
-            now = np.einsum("ij,kj->ki", w, now) + b
-            if i + 1 < len(self.layers):
-                now = bend(now)
-        return np.tanh(now) if self.squash else now
+        activate = ACTIVATIONS[self.activation]
+        *hidden_layers, last_layer = self.layers
+        signals = observed
+        for layer in hidden_layers:
+            signals = activate(_weighted_sums(layer, signals))
+        outputs = _weighted_sums(last_layer, signals)
+        if self.squash:
+            return np.tanh(outputs)
+        return outputs
+
+
+def _weighted_sums(layer: Layer, signals: np.ndarray) -> np.ndarray:
+    return np.einsum("ij,kj->ki", layer.weights, signals) + layer.biases
 
 
 @cache
 def load(file: Path) -> list[Network]:
     """Return the networks in a file, one per run."""
-    with np.load(file, allow_pickle=False) as found:
-        held = {name: found[name] for name in found.files}
-    n_layers = sum(name.startswith("w") for name in held)
-    return [
-        Network(
-            [
-                (held[f"w{i}"][run].astype(float), held[f"b{i}"][run].astype(float))
-                for i in range(n_layers)
-            ],
-            str(held["activation"]),
-            bool(held["squash"]),
-        )
-        for run in range(len(held["w0"]))
-    ]
+    with np.load(file, allow_pickle=False) as archive:
+        arrays = {name: archive[name] for name in archive.files}
+    n_layers = sum(name.startswith("w") for name in arrays)
+    activation = str(arrays["activation"])
+    squash = bool(arrays["squash"])
+    networks: list[Network] = []
+    for run in range(len(arrays["w0"])):
+        layers: list[Layer] = []
+        for i in range(n_layers):
+            weights = arrays[f"w{i}"][run].astype(float)
+            biases = arrays[f"b{i}"][run].astype(float)
+            layers.append(Layer(weights, biases))
+        networks.append(Network(layers, activation, squash))
+    return networks
 
 
 def save(file: Path, runs: Sequence[Layers], activation: str, squash: bool) -> None:
@@ -68,8 +89,13 @@ def save(file: Path, runs: Sequence[Layers], activation: str, squash: bool) -> N
         activation: tanh or relu.
         squash: Whether tanh follows the last layer.
     """
-    held: dict[str, np.ndarray] = {"activation": np.array(activation), "squash": np.array(squash)}
+    arrays: dict[str, np.ndarray] = {
+        "activation": np.array(activation),
+        "squash": np.array(squash),
+    }
     for i in range(len(runs[0])):
-        for j, name in enumerate("wb"):
-            held[f"{name}{i}"] = np.stack([run[i][j] for run in runs]).astype(np.float16)
-    np.savez_compressed(file, allow_pickle=False, **held)
+        weights = np.stack([layers[i].weights for layers in runs])
+        biases = np.stack([layers[i].biases for layers in runs])
+        arrays[f"w{i}"] = weights.astype(np.float16)
+        arrays[f"b{i}"] = biases.astype(np.float16)
+    np.savez_compressed(file, allow_pickle=False, **arrays)

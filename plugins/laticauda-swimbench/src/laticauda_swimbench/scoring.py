@@ -22,6 +22,10 @@ from laticauda_swimbench.challenges import CHALLENGES, Challenge, challenge
 from laticauda_swimbench.methods import Method, method
 from laticauda_swimbench.task import Swim
 
+FORMAT_NAME = "swimbench-scores"
+"""Name of the format of score files."""
+FIELDS_OF_METHOD = ("name", "kind", "sha256", "runs", "note")
+"""What a score file says of the method."""
 FORMAT = 1
 """Version of the format of score files; increases when their keys change."""
 SCHEMA = Path(__file__).with_name("scores.schema.json")
@@ -35,7 +39,7 @@ class BadScores(LaticaudaError, ValueError):
     """A score file that cannot be used: the file and the reason."""
 
 
-def swum(
+def swim_episodes(
     challenge: Challenge, task: Swim, seeds: Sequence[int], method: Method, run: int
 ) -> list[dict[str, Any]]:
     """Swim episodes side by side, and return the results of each.
@@ -47,44 +51,53 @@ def swum(
         method: Method that steers.
         run: Index of the method's run.
     """
-    episodes, n = Episodes(task, len(seeds)), len(seeds)
+    n = len(seeds)
+    episodes = Episodes(task, n)
+    is_well = np.full(n, True)
+    total_reward = np.zeros(n)
+    sum_of_squared_y = np.zeros(n)
     try:
         episodes.begin(np.full(n, True), [np.random.default_rng(seed) for seed in seeds])
-        act, observed, well = (
-            method.pilot(challenge, run, episodes),
-            episodes.seen,
-            np.full(n, True),
-        )
-        worth, square, begun = np.zeros(n), np.zeros(n), episodes.motion
+        act = method.pilot(challenge, run, episodes)
+        observation = episodes.seen
+        start = episodes.motion
         for _ in range(task.n_steps):
-            actions = np.asarray(act(observed), dtype=float)
-            if actions.shape != (n, len(task.actions)) or not np.isfinite(actions).all():
-                rule = f"{n} rows of {len(task.actions)} finite numbers"
-                raise BadScores(
-                    f"{method.name}: returned actions of shape {actions.shape}, expected {rule}"
-                )
-            done = episodes.step(actions)
-            worth += np.where(well, done.reward, 0.0)
-            square += episodes.motion.y**2
-            well &= ~done.terminated
-            observed = done.observation
-        after = episodes.motion
+            actions = _check_actions(act(observation), n, task, method)
+            outcome = episodes.step(actions)
+            total_reward += np.where(is_well, outcome.reward, 0.0)
+            sum_of_squared_y += episodes.motion.y**2
+            is_well &= ~outcome.terminated
+            observation = outcome.observation
+        end = episodes.motion
     finally:
         episodes.school.close()
-    objective = worth / task.scenario.duration
-    found = {
+    objective = total_reward / task.scenario.duration
+    figures = {
         "objective": objective,
         "score": (objective - challenge.baseline) / (challenge.reference - challenge.baseline),
-        "progress": after.x - begun.x,
-        "energy": after.work - begun.work,
-        "cross_track_rms": np.sqrt(square / task.n_steps),
+        "progress": end.x - start.x,
+        "energy": end.work - start.work,
+        "cross_track_rms": np.sqrt(sum_of_squared_y / task.n_steps),
     }
-    return [
-        {"run": run, "seed": seed}
-        | {name: float(one[i]) for name, one in found.items()}
-        | {"failed": not well[i]}
-        for i, seed in enumerate(seeds)
-    ]
+    results_of_seeds: list[dict[str, Any]] = []
+    for i, seed in enumerate(seeds):
+        result: dict[str, Any] = {"run": run, "seed": seed}
+        for name, values in figures.items():
+            result[name] = float(values[i])
+        result["failed"] = not is_well[i]
+        results_of_seeds.append(result)
+    return results_of_seeds
+
+
+def _check_actions(answer: Any, n: int, task: Swim, method: Method) -> np.ndarray:
+    """Return what a policy answers, if it is an action for each of n robots."""
+    actions = np.asarray(answer, dtype=float)
+    if actions.shape != (n, len(task.actions)) or not np.isfinite(actions).all():
+        rule = f"{n} rows of {len(task.actions)} finite numbers"
+        raise BadScores(
+            f"{method.name}: returned actions of shape {actions.shape}, expected {rule}"
+        )
+    return actions
 
 
 def results(
@@ -97,14 +110,12 @@ def results(
         method: Method that steers.
         seeds: Seeds of other episodes than the scored ones.
     """
-    one = challenge(name)
-    found = [
-        each
-        for run in range(method.runs)
-        for task, mine in one.shares(seeds)
-        for each in swum(one, task, mine, method, run)
-    ]
-    return sorted(found, key=lambda each: (each["run"], each["seed"]))
+    scenario = challenge(name)
+    all_results: list[dict[str, Any]] = []
+    for run in range(method.runs):
+        for share in scenario.shares(seeds):
+            all_results += swim_episodes(scenario, share.task, share.seeds, method, run)
+    return sorted(all_results, key=lambda result: (result["run"], result["seed"]))
 
 
 def score(
@@ -126,31 +137,35 @@ def score(
             than an action.
         ImportError: If the policy needs a package that is not installed.
     """
-    chosen = policy if isinstance(policy, Method) else method(policy, scenarios)
-    begun, parts = time.perf_counter(), list[dict[str, Any]]()
+    scored = policy
+    if not isinstance(scored, Method):
+        scored = method(scored, scenarios)
+    began = time.perf_counter()
+    parts: list[dict[str, Any]] = []
     for i, name in enumerate(scenarios):
-        one = challenge(name)
-        parts.append(
-            {
-                "name": name,
-                "version": one.version,
-                "sha256": one.sha256,
-                "baseline": one.baseline,
-                "reference": one.reference,
-                "results": results(name, chosen),
-            }
-        )
+        parts.append(_score_in(challenge(name), scored))
         progress((i + 1) / len(scenarios))
     content: dict[str, Any] = {
-        "format": "swimbench-scores",
+        "format": FORMAT_NAME,
         "format_version": FORMAT,
-        "method": {
-            name: getattr(chosen, name) for name in ("name", "kind", "sha256", "runs", "note")
-        },
+        "method": {field: getattr(scored, field) for field in FIELDS_OF_METHOD},
         "versions": installed_versions(),
         "scenarios": parts,
     }
-    return content | {"seconds": round(time.perf_counter() - begun, 1), "sha256": checksum(content)}
+    seconds = round(time.perf_counter() - began, 1)
+    return {**content, "seconds": seconds, "sha256": checksum(content)}
+
+
+def _score_in(challenge: Challenge, scored: Method) -> dict[str, Any]:
+    """Return a score file's entry for a scenario."""
+    return {
+        "name": challenge.name,
+        "version": challenge.version,
+        "sha256": challenge.sha256,
+        "baseline": challenge.baseline,
+        "reference": challenge.reference,
+        "results": results(challenge.name, scored),
+    }
 
 
 def checksum(content: Mapping[str, Any]) -> str:
@@ -159,10 +174,9 @@ def checksum(content: Mapping[str, Any]) -> str:
     Args:
         content: Content of the file.
     """
-    counted = {name: one for name, one in content.items() if name not in UNCHECKED}
-    return hashlib.sha256(
-        json.dumps(counted, sort_keys=True, separators=(",", ":")).encode()
-    ).hexdigest()
+    checked = {key: value for key, value in content.items() if key not in UNCHECKED}
+    text = json.dumps(checked, sort_keys=True, separators=(",", ":"))
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def read_scores(path: str | Path) -> dict[str, Any]:
@@ -178,13 +192,15 @@ def read_scores(path: str | Path) -> dict[str, Any]:
         content: Any = json.loads(read_text(path, BadScores))
         is_right = content["sha256"] == checksum(content)
         parts = cast("list[dict[str, Any]]", content["scenarios"])
-        is_ours = content["format"] == "swimbench-scores" and content["format_version"] == FORMAT
-        others = [one["name"] for one in parts if one["sha256"] != challenge(one["name"]).sha256]
+        is_of_format = (content["format"], content["format_version"]) == (FORMAT_NAME, FORMAT)
+        others = [
+            part["name"] for part in parts if part["sha256"] != challenge(part["name"]).sha256
+        ]
+    except BadScores:
+        raise
     except (ValueError, KeyError, TypeError) as error:
-        if isinstance(error, BadScores):
-            raise
         raise BadScores(f"{path}: is not a score file: {error}") from None
-    if not is_ours:
+    if not is_of_format:
         raise BadScores(f"{path}: must be of the format swimbench-scores {FORMAT}")
     if not is_right:
         raise BadScores(f"{path}: its checksum is wrong; it was changed after it was written")
@@ -202,16 +218,15 @@ def text_of(content: Mapping[str, Any]) -> str:
         content: Content as returned by `score`.
     """
     lines: list[str] = []
-
-    def mark(one: Mapping[str, Any]) -> str:
-        lines.append(json.dumps(one))
-        return f"<{len(lines) - 1}>"
-
-    parts = [
-        {**part, "results": [mark(one) for one in part["results"]]} for part in content["scenarios"]
-    ]
+    parts: list[dict[str, Any]] = []
+    for part in content["scenarios"]:
+        placeholders: list[str] = []
+        for result in part["results"]:
+            placeholders.append(f"<{len(lines)}>")
+            lines.append(json.dumps(result))
+        parts.append({**part, "results": placeholders})
     text = to_json({**content, "scenarios": parts})
-    return re.sub(r'"<(\d+)>"', lambda found: lines[int(found[1])], text) + "\n"
+    return re.sub(r'"<(\d+)>"', lambda placeholder: lines[int(placeholder[1])], text) + "\n"
 
 
 def installed_versions() -> dict[str, str]:

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -23,19 +23,25 @@ LAWS: dict[str, tuple[float, float]] = {
 """Ranges in which the numbers of the law are searched for, on a logarithmic scale [SI]."""
 
 
-def _numbers(one: Challenge, at: np.ndarray) -> dict[str, float]:
+START = (0.5, 0.5, 0.5, 0.4, 0.4, 0.5)
+"""Point of the unit cube at which a search begins."""
+SPREAD = 0.25
+"""Standard deviation of the first points around it."""
+N_GAIT_NUMBERS = 3
+"""How many coordinates of a point are the gait's; the others are the law's."""
+
+
+def _numbers_at(challenge: Challenge, point: np.ndarray) -> dict[str, float]:
     """Return gait and law at a point of the unit cube."""
-    task = one.tasks[0]
-    share = np.clip(at, 0.0, 1.0).tolist()
-    gait = {
-        each.name: each.low + s * (each.high - each.low)
-        for each, s in zip(task.actions[:3], share, strict=False)
-    }
-    law = {
-        name: math.exp(math.log(low) + s * math.log(high / low))
-        for (name, (low, high)), s in zip(LAWS.items(), share[3:], strict=True)
-    }
-    return {**gait, **law, "max_offset": task.max_offset}
+    task = challenge.tasks[0]
+    shares = np.clip(point, 0.0, 1.0).tolist()
+    numbers = dict[str, float]()
+    gait_shares = shares[:N_GAIT_NUMBERS]
+    for action, share in zip(task.actions[:N_GAIT_NUMBERS], gait_shares, strict=True):
+        numbers[action.name] = action.low + share * (action.high - action.low)
+    for (name, (low, high)), share in zip(LAWS.items(), shares[N_GAIT_NUMBERS:], strict=True):
+        numbers[name] = math.exp(math.log(low) + share * math.log(high / low))
+    return {**numbers, "max_offset": task.max_offset}
 
 
 def search(
@@ -53,36 +59,56 @@ def search(
         NotInstalled: If cma is not installed.
     """
     cma = needed("The search", "cma")
-    one, seeds = challenge(name), tuple(range(TUNING, TUNING + EPISODES))
+    searched = challenge(name)
+    seeds = tuple(range(TUNING, TUNING + EPISODES))
 
-    def cost(at: np.ndarray) -> float:
-        numbers = _numbers(one, at)
-        found = results(name, _method(numbers), seeds)
-        outside = float(np.sum((at - np.clip(at, 0.0, 1.0)) ** 2))
-        return -float(np.mean([each["objective"] for each in found])) + outside
+    def cost(point: np.ndarray) -> float:
+        method = _method_of(_numbers_at(searched, point))
+        distance_outside = point - np.clip(point, 0.0, 1.0)
+        return -_mean_objective(name, method, seeds) + float(np.sum(distance_outside**2))
 
-    how: dict[str, Any] = {"seed": seed, "maxfevals": evaluations, "verbose": -9, "popsize": 10}
-    strategy = cma.CMAEvolutionStrategy([0.5, 0.5, 0.5, 0.4, 0.4, 0.5], 0.25, how)
+    options: dict[str, Any] = {
+        "seed": seed,
+        "maxfevals": evaluations,
+        "verbose": -9,
+        "popsize": 10,
+    }
+    strategy = cma.CMAEvolutionStrategy(list(START), SPREAD, options)
     while not strategy.stop():
         points = strategy.ask()
         strategy.tell(points, [cost(np.asarray(point)) for point in points])
-        tell(
-            f"{name}: {strategy.result.evaluations} evaluations, J = {-strategy.result.fbest:.5f} m/s"
-        )
-    return _numbers(one, np.asarray(strategy.result.xbest))
+        best = -strategy.result.fbest
+        tell(f"{name}: {strategy.result.evaluations} evaluations, J = {best:.5f} m/s")
+    return _numbers_at(searched, np.asarray(strategy.result.xbest))
 
 
-def _method(numbers: dict[str, float]) -> Method:
+def _method_of(numbers: dict[str, float]) -> Method:
     return Method(name="searched", kind="law", sha256="", pilot=law_pilot(numbers))
 
 
-def ends(name: str, numbers: dict[str, float]) -> tuple[float, float]:
+def _mean_objective(name: str, method: Method, seeds: tuple[int, ...] | None = None) -> float:
+    """Return the mean J of a method in episodes of a scenario [m/s]; seeds as for `results`."""
+    objectives = [result["objective"] for result in results(name, method, seeds)]
+    return float(np.mean(objectives))
+
+
+class Ends(NamedTuple):
+    """The two values of J between which a score goes from 0 to 1."""
+
+    baseline: float
+    """J_0, of the open loop [m/s]."""
+    reference: float
+    """J_1, of the reference [m/s]."""
+
+
+def ends(name: str, numbers: dict[str, float]) -> Ends:
     """Return J_0 and J_1 of a scenario: means of the open loop and the reference over the scored episodes [m/s].
 
     Args:
         name: Name of the scenario.
         numbers: Numbers of the reference.
     """
-    found = [results(name, each) for each in (method("open-loop"), _method(numbers))]
-    first, second = (float(np.mean([each["objective"] for each in one])) for one in found)
-    return first, second
+    return Ends(
+        baseline=_mean_objective(name, method("open-loop")),
+        reference=_mean_objective(name, _method_of(numbers)),
+    )

@@ -10,7 +10,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-REPEATS, SEED = 2000, 0
+REPEATS = 2000
+"""How many times scores are resampled."""
+SEED = 0
+"""Seed of the resampling."""
 LEVEL = 0.95
 """Level of the intervals."""
 Numbers = NDArray[np.float64]
@@ -48,19 +51,23 @@ def matrix(part: Mapping[str, Any]) -> Numbers:
     Args:
         part: Entry of `scenarios` in a score file.
     """
-    found: list[Mapping[str, Any]] = part["results"]
-    runs = 1 + max(one["run"] for one in found)
-    return np.array([[one["score"] for one in found if one["run"] == run] for run in range(runs)])
+    results: list[Mapping[str, Any]] = part["results"]
+    n_runs = 1 + max(result["run"] for result in results)
+    rows: list[list[float]] = []
+    for run in range(n_runs):
+        rows.append([result["score"] for result in results if result["run"] == run])
+    return np.array(rows)
 
 
-def resampled(scores: Numbers, generator: np.random.Generator) -> Numbers:
+def resample(scores: Numbers, generator: np.random.Generator) -> Numbers:
     """Return resampled scores of a scenario: other runs or, for a method with one run, other episodes.
 
     Args:
         scores: Scores, one row per run.
         generator: Random number generator.
     """
-    axis = 0 if len(scores) > 1 else 1
+    has_one_run = len(scores) == 1
+    axis = int(has_one_run)
     return generator.choice(scores, scores.shape[axis], axis=axis)
 
 
@@ -86,6 +93,9 @@ def estimate(scenarios: Sequence[Numbers], of: Callable[[Sequence[Numbers]], flo
         of: Function that returns the statistic.
     """
     generator = np.random.default_rng(SEED)
-    others = [of([resampled(scores, generator) for scores in scenarios]) for _ in range(REPEATS)]
-    low, high = np.quantile(others, [0.5 - 0.5 * LEVEL, 0.5 + 0.5 * LEVEL])
+    statistics: list[float] = []
+    for _ in range(REPEATS):
+        samples = [resample(scores, generator) for scores in scenarios]
+        statistics.append(of(samples))
+    low, high = np.quantile(statistics, [0.5 - 0.5 * LEVEL, 0.5 + 0.5 * LEVEL])
     return Estimate(of(scenarios), float(low), float(high))

@@ -1,6 +1,8 @@
 """The table of all methods, in Markdown."""
 
+import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from laticauda_swimbench.challenges import CHALLENGES
@@ -14,10 +16,10 @@ def row(content: Mapping[str, Any]) -> dict[str, Estimate]:
         content: Content of a score file.
     """
     scores: dict[str, Numbers] = {part["name"]: matrix(part) for part in content["scenarios"]}
-    found = {name: estimate([scores[name]], mean) for name in CHALLENGES if name in scores}
-    if len(found) == len(CHALLENGES):
-        found["all"] = estimate([scores[name] for name in CHALLENGES], over_runs)
-    return found
+    estimates = {name: estimate([scores[name]], mean) for name in CHALLENGES if name in scores}
+    if len(estimates) == len(CHALLENGES):
+        estimates["all"] = estimate([scores[name] for name in CHALLENGES], over_runs)
+    return estimates
 
 
 def energy(content: Mapping[str, Any]) -> float:
@@ -26,9 +28,13 @@ def energy(content: Mapping[str, Any]) -> float:
     Args:
         content: Content of a score file.
     """
-    found = [one for part in content["scenarios"] for one in part["results"]]
-    progress = sum(one["progress"] for one in found)
-    return sum(one["energy"] for one in found) / progress if progress > 0.0 else float("nan")
+    results: list[Mapping[str, Any]] = []
+    for part in content["scenarios"]:
+        results += part["results"]
+    progress = sum(result["progress"] for result in results)
+    if progress <= 0.0:
+        return math.nan
+    return sum(result["energy"] for result in results) / progress
 
 
 def table(contents: Sequence[Mapping[str, Any]]) -> str:
@@ -37,23 +43,54 @@ def table(contents: Sequence[Mapping[str, Any]]) -> str:
     Args:
         contents: Contents of score files.
     """
-    rows = [(content["method"], row(content), energy(content)) for content in contents]
-    rows.sort(key=lambda each: -each[1]["all"].value if "all" in each[1] else float("inf"))
+    rows = [
+        Row(method=content["method"], estimates=row(content), energy=energy(content))
+        for content in contents
+    ]
+    rows.sort(key=lambda row: row.rank)
     lines = [
         f"| method | all (IQM) | {' | '.join(CHALLENGES)} | J/m |",
         f"|---|---|{'---|' * len(CHALLENGES)}---|",
     ]
-    for method, found, joules in rows:
-        runs = f", {method['runs']} runs" if method["runs"] > 1 else ""
-        cells = [_short(found[name]) if name in found else "" for name in CHALLENGES]
-        whole = _long(found["all"]) if "all" in found else ""
-        lines.append(f"| {method['name']}{runs} | {whole} | {' | '.join(cells)} | {joules:.0f} |")
+    lines += [f"| {' | '.join(row.cells)} |" for row in rows]
     return "\n".join(lines)
 
 
-def _long(one: Estimate) -> str:
-    return f"{one.value:z.2f} ({one.low:z.2f} to {one.high:z.2f})"
+@dataclass(frozen=True, kw_only=True)
+class Row:
+    """A line of the table."""
+
+    method: Mapping[str, Any]
+    """The method, as a score file describes it."""
+    estimates: Mapping[str, Estimate]
+    """Scores by scenario."""
+    energy: float
+    """Energy per progress [J/m]."""
+
+    @property
+    def rank(self) -> float:
+        """Number by which rows are sorted, the least first: methods without all scenarios come last."""
+        if "all" not in self.estimates:
+            return math.inf
+        return -self.estimates["all"].value
+
+    @property
+    def cells(self) -> list[str]:
+        """Cells from left to right."""
+        name = self.method["name"]
+        if self.method["runs"] > 1:
+            name += f", {self.method['runs']} runs"
+        scores = [_write_short(self.estimates.get(name)) for name in CHALLENGES]
+        return [name, _write_long(self.estimates.get("all")), *scores, f"{self.energy:.0f}"]
 
 
-def _short(one: Estimate) -> str:
-    return f"{one.value:z.2f} ±{0.5 * (one.high - one.low):.2f}"
+def _write_long(estimate: Estimate | None) -> str:
+    if estimate is None:
+        return ""
+    return f"{estimate.value:z.2f} ({estimate.low:z.2f} to {estimate.high:z.2f})"
+
+
+def _write_short(estimate: Estimate | None) -> str:
+    if estimate is None:
+        return ""
+    return f"{estimate.value:z.2f} ±{0.5 * (estimate.high - estimate.low):.2f}"

@@ -45,6 +45,7 @@ SETTINGS: dict[str, dict[str, Any]] = {
 }
 """Settings of stable-baselines3; the same in all scenarios, and not tuned to any."""
 LANES = {"ppo": 64, "sac": 32}
+"""Number of robots side by side."""
 CHUNK = 51_200
 """Number of steps after which a run is saved."""
 
@@ -60,51 +61,66 @@ def lanes(name: str, n: int) -> Any:
     from laticauda_gym import StableBaselines
 
     tasks = challenge(name).tasks
-    shares = [
-        StableBaselines(SwimmingVectorEnv(n // len(tasks), task=task, autoreset_mode="SameStep"))
-        for task in tasks
-    ]
-    return shares[0] if len(shares) == 1 else _side_by_side(shares)
+    n_each = n // len(tasks)
+    envs: list[Any] = []
+    for task in tasks:
+        vector_env = SwimmingVectorEnv(n_each, task=task, autoreset_mode="SameStep")
+        envs.append(StableBaselines(vector_env))
+    if len(envs) == 1:
+        return envs[0]
+    return _side_by_side(envs)
 
 
-def _side_by_side(shares: Sequence[Any]) -> Any:
+def _side_by_side(envs: Sequence[Any]) -> Any:
     """Combine several vector environments into one."""
     from stable_baselines3.common.vec_env.base_vec_env import VecEnv
 
     class SideBySide(VecEnv):
-        """All shares, one after the other."""
+        """All environments, one after the other."""
 
         def __init__(self) -> None:
-            self.ends = np.cumsum([one.num_envs for one in shares])[:-1]
-            n = sum(one.num_envs for one in shares)
+            sizes = [env.num_envs for env in envs]
+            self.ends = np.cumsum(sizes)[:-1]
             self.render_mode = None
-            super().__init__(n, shares[0].observation_space, shares[0].action_space)
+            super().__init__(sum(sizes), envs[0].observation_space, envs[0].action_space)
 
         def seed(self, seed: int | None = None) -> list[int | None]:
-            found: list[int | None] = []
-            for one in shares:
-                found += one.seed(None if seed is None else seed + len(found))
-            return found
+            seeds: list[int | None] = []
+            for env in envs:
+                first = None
+                if seed is not None:
+                    first = seed + len(seeds)
+                seeds += env.seed(first)
+            return seeds
 
         def reset(self) -> np.ndarray:
-            return np.concatenate([one.reset() for one in shares])
+            return np.concatenate([env.reset() for env in envs])
 
         def step_async(self, actions: np.ndarray) -> None:
-            for one, mine in zip(shares, np.split(actions, self.ends), strict=True):
-                one.step_async(mine)
+            for env, actions_of_env in zip(envs, np.split(actions, self.ends), strict=True):
+                env.step_async(actions_of_env)
 
         def step_wait(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[dict[str, Any]]]:
-            seen, rewards, done, infos = zip(*[one.step_wait() for one in shares], strict=True)
+            observations: list[np.ndarray] = []
+            rewards: list[np.ndarray] = []
+            done: list[np.ndarray] = []
+            infos: list[dict[str, Any]] = []
+            for env in envs:
+                observation, reward, is_over, infos_of_env = env.step_wait()
+                observations.append(observation)
+                rewards.append(reward)
+                done.append(is_over)
+                infos += infos_of_env
             return (
-                np.concatenate(seen),
+                np.concatenate(observations),
                 np.concatenate(rewards),
                 np.concatenate(done),
-                [i for one in infos for i in one],
+                infos,
             )
 
         def close(self) -> None:
-            for one in shares:
-                one.close()
+            for env in envs:
+                env.close()
 
         def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
             return [getattr(self, attr_name) for _ in self._get_indices(indices)]
@@ -148,38 +164,40 @@ def train(
     from stable_baselines3.common.vec_env import VecNormalize
 
     torch.set_num_threads(1)
-    kind: Any = getattr(library, learner.upper())
-    base = folder / f"{learner}-{name}-{seed}"
-    notes, model_file, scale_file = (base.with_suffix(end) for end in (".json", ".zip", ".pkl"))
-    said: dict[str, float] = (
-        json.loads(notes.read_text()) if notes.exists() else {"steps": 0, "seconds": 0.0}
-    )
-    if said["steps"] >= steps:
-        return said
+    learner_class: Any = getattr(library, learner.upper())
+    run = folder / f"{learner}-{name}-{seed}"
+    notes_file = run.with_suffix(".json")
+    model_file = run.with_suffix(".zip")
+    scale_file = run.with_suffix(".pkl")
+    progress: dict[str, float] = {"steps": 0, "seconds": 0.0}
+    if notes_file.exists():
+        progress = json.loads(notes_file.read_text())
+    if progress["steps"] >= steps:
+        return progress
     envs = lanes(name, LANES[learner])
-    if said["steps"]:
+    if progress["steps"]:
         scaled = VecNormalize.load(str(scale_file), envs)
-        model = kind.load(model_file, env=scaled, device="cpu")
+        model = learner_class.load(model_file, env=scaled, device="cpu")
     else:
         scaled = VecNormalize(envs, norm_obs=False, gamma=0.99)  # rewards only
-        model = kind("MlpPolicy", scaled, seed=seed, device="cpu", **SETTINGS[learner])
+        model = learner_class("MlpPolicy", scaled, seed=seed, device="cpu", **SETTINGS[learner])
     # Each run draws its own episodes, and one that is continued others than at its start. It comes
     # last because stable-baselines3 seeds the robots with `seed` alone when it makes or loads a
     # model.
-    envs.seed(1_000_000 * (1 + seed) // 10 + int(said["steps"]) // CHUNK * 100)
-    while said["steps"] < steps:
-        begun = time.perf_counter()
-        model.learn(min(CHUNK, steps - int(said["steps"])), reset_num_timesteps=False)
-        said = {
-            "steps": int(model.num_timesteps),
-            "seconds": said["seconds"] + time.perf_counter() - begun,
-        }
+    n_chunks = int(progress["steps"]) // CHUNK
+    envs.seed(1_000_000 * (1 + seed) // 10 + 100 * n_chunks)
+    while progress["steps"] < steps:
+        began = time.perf_counter()
+        steps_left = steps - int(progress["steps"])
+        model.learn(min(CHUNK, steps_left), reset_num_timesteps=False)
+        seconds = progress["seconds"] + time.perf_counter() - began
+        progress = {"steps": int(model.num_timesteps), "seconds": seconds}
         model.save(model_file)
         scaled.save(str(scale_file))
-        notes.write_text(json.dumps(said))
-        tell(f"{base.name}: {said['steps']} steps in {said['seconds']:.0f} s")
+        notes_file.write_text(json.dumps(progress))
+        tell(f"{run.name}: {progress['steps']} steps in {progress['seconds']:.0f} s")
     envs.close()
-    return said
+    return progress
 
 
 def weights(model_file: Path, learner: str) -> networks.Layers:
@@ -191,13 +209,16 @@ def weights(model_file: Path, learner: str) -> networks.Layers:
     """
     library = needed("Training", "stable-baselines3", "stable_baselines3")
     policy: Any = getattr(library, learner.upper()).load(model_file, device="cpu").policy
-    parts = (
-        [*policy.mlp_extractor.policy_net, policy.action_net]
-        if learner == "ppo"
-        else [*policy.actor.latent_pi, policy.actor.mu]
-    )
-    linear = [part for part in parts if hasattr(part, "weight")]
-    return [(part.weight.detach().numpy(), part.bias.detach().numpy()) for part in linear]
+    if learner == "ppo":
+        modules = [*policy.mlp_extractor.policy_net, policy.action_net]
+    else:
+        modules = [*policy.actor.latent_pi, policy.actor.mu]
+    layers: list[networks.Layer] = []
+    for module in modules:
+        if hasattr(module, "weight"):  # activations have none
+            layer = networks.Layer(module.weight.detach().numpy(), module.bias.detach().numpy())
+            layers.append(layer)
+    return layers
 
 
 def collect(learner: str, name: str, folder: Path, output: Path) -> int:
@@ -211,6 +232,8 @@ def collect(learner: str, name: str, folder: Path, output: Path) -> int:
     """
     files = sorted(folder.glob(f"{learner}-{name}-*.zip"))
     runs = [weights(file, learner) for file in files]
-    if runs:
-        networks.save(output, runs, "tanh" if learner == "ppo" else "relu", squash=learner == "sac")
+    if runs and learner == "ppo":
+        networks.save(output, runs, "tanh", squash=False)
+    elif runs:
+        networks.save(output, runs, "relu", squash=True)
     return len(runs)

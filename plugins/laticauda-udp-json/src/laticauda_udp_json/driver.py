@@ -3,63 +3,98 @@
 import json
 import socket
 import time
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from jaxtyping import Float
 
 from laticauda.control.estimation import PoseSample
 from laticauda.robot import from_quaternion
 from laticauda.tank.operate.drivers import Clock, DeviceFailed, MotionCapture
 from laticauda.tank.operate.drivers.base import host_and_port
 
-LONGEST = 4096  # bytes of a datagram
-LISTENS = 0.1  # until it looks whether it is to end [s]
-PATIENCE = 3.0  # for a first datagram of the body [s]
-RESTARTED = 1.0  # a frame that is older than the last by so much is of a clock that began anew [s]
+LONGEST_DATAGRAM = 4096
+"""Size of a datagram at most [B]."""
+LISTENS = 0.1
+"""Time after which it looks whether it is to end [s]."""
+PATIENCE = 3.0
+"""How long it waits for a first datagram of the body [s]."""
+OTHERS_FOLLOW = 0.5
+"""How long it waits for other bodies after the first, if none is named [s]."""
+RESTARTED = 1.0
+"""A frame that is older than the last by so much is of a clock that began anew [s]."""
+LONGEST_DEVIATION = 0.01
+"""By how much the length of a quaternion may differ from 1."""
 LOST = np.full(3, np.nan)
+"""Position of a body that the cameras do not see [m]."""
 
 
 class NoPose(ValueError):
-    """A datagram makes no sense: it says why."""
+    """Raised if a datagram makes no sense; the message says why."""
 
 
-def decoded(data: bytes) -> tuple[str, PoseSample]:
-    """The body that a datagram speaks of, and where it is.
+class BodyPose(NamedTuple):
+    """What a datagram says."""
+
+    body: str
+    """Name of the body."""
+    pose: PoseSample
+    """Where it is."""
+
+
+def read_datagram(data: bytes) -> BodyPose:
+    """Return which body a datagram speaks of, and where it is.
 
     Args:
         data: The datagram.
 
     Raises:
-        NoPose: If it is none.
+        NoPose: If it makes no sense.
     """
     try:
-        said: Any = json.loads(data.decode("utf-8"))
-        position = LOST if said["position"] is None else _numbers(said, "position", 3)
-        rotation = None
-        if said["position"] is not None and "quaternion" in said:
-            quaternion = _numbers(said, "quaternion", 4)
-            if abs(np.linalg.norm(quaternion) - 1.0) > 0.01:
-                raise NoPose("`quaternion` must have length 1")
-            rotation = from_quaternion(*(quaternion / np.linalg.norm(quaternion)).tolist())
-        when, residual = (
-            float(_numbers(said, "time")),
-            float(_numbers(said, "residual") if "residual" in said else 0.0),
-        )
-        return str(said["body"]), PoseSample(
-            time=when, position=position, rotation=rotation, residual=residual
-        )
+        return _read_message(json.loads(data.decode("utf-8")))
     except KeyError as error:
         raise NoPose(f"{error.args[0]!r} is missing") from None
     except (TypeError, ValueError, RecursionError, OverflowError) as error:
         raise NoPose(str(error)) from None
 
 
-def _numbers(said: Any, name: str, count: int | None = None) -> np.ndarray:
-    """One finite number, or several."""
-    found = np.array(said[name], dtype=float)
-    if found.shape != (() if count is None else (count,)) or not np.isfinite(found).all():
-        raise NoPose(f"`{name}` must be {count or 1} finite numbers")
-    return found
+def _read_message(message: Any) -> BodyPose:
+    position = LOST
+    rotation = None
+    is_seen = message["position"] is not None
+    if is_seen:
+        position = _read_vector(message, "position", 3)
+    if is_seen and "quaternion" in message:
+        rotation = _read_rotation(message)
+    time = _read_number(message, "time")
+    residual = 0.0
+    if "residual" in message:
+        residual = _read_number(message, "residual")
+    pose = PoseSample(time=time, position=position, rotation=rotation, residual=residual)
+    return BodyPose(body=str(message["body"]), pose=pose)
+
+
+def _read_rotation(message: Any) -> Float[np.ndarray, "3 3"]:
+    quaternion = _read_vector(message, "quaternion", 4)
+    length = np.linalg.norm(quaternion)
+    if abs(length - 1.0) > LONGEST_DEVIATION:
+        raise NoPose("`quaternion` must have length 1")
+    return from_quaternion(*(quaternion / length).tolist())
+
+
+def _read_number(message: Any, name: str) -> float:
+    number = np.array(message[name], dtype=float)
+    if number.shape != () or not np.isfinite(number):
+        raise NoPose(f"`{name}` must be 1 finite numbers")
+    return float(number)
+
+
+def _read_vector(message: Any, name: str, size: int) -> np.ndarray:
+    vector = np.array(message[name], dtype=float)
+    if vector.shape != (size,) or not np.isfinite(vector).all():
+        raise NoPose(f"`{name}` must be {size} finite numbers")
+    return vector
 
 
 class UdpJson(MotionCapture):
@@ -67,18 +102,18 @@ class UdpJson(MotionCapture):
 
     def __init__(self, address: str, clock: Clock, body: str = "") -> None:
         super().__init__(address, clock, body)
+        self._last_frame_time = -np.inf
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self._last = -np.inf
         try:
             self._socket.settimeout(LISTENS)
             self._socket.bind(host_and_port(address))
-            self._find_body()
+            self._body = self._find_body()
+        except DeviceFailed:
+            self._socket.close()
+            raise
         except OSError as error:
             self._socket.close()
-            ours = isinstance(error, DeviceFailed)
-            raise (
-                error if ours else DeviceFailed(f"Cannot listen at {address}: {error}.")
-            ) from error
+            raise DeviceFailed(f"Cannot listen at {address}: {error}.") from error
         self._start()
 
     @classmethod
@@ -86,15 +121,9 @@ class UdpJson(MotionCapture):
         """See `laticauda.tank.operate.drivers.base.Driver.check`."""
         host_and_port(address)
 
-    def _find_body(self) -> None:
-        """Wait for the body, or for the only one."""
-        bodies: dict[str, None] = {}
-        end = time.monotonic() + PATIENCE
-        while time.monotonic() < end and not (self._body and self._body in bodies):
-            heard = self._heard()
-            bodies |= {} if heard is None else {heard[0]: None}
-            if bodies and not self._body:
-                end = min(end, time.monotonic() + 5 * LISTENS)  # others may follow
+    def _find_body(self) -> str:
+        """Return the name of the body: the one that was asked for, or the only one that there is."""
+        bodies = self._hear_bodies()
         listed = ", ".join(bodies) or "none"
         if not bodies:
             raise DeviceFailed(
@@ -108,30 +137,45 @@ class UdpJson(MotionCapture):
             raise DeviceFailed(
                 f"The body must be named by `mocap_body`: the motion capture has {listed}."
             )
-        self._body = next(iter(bodies)) if not self._body else self._body
+        return self._body or bodies[0]
 
-    def _heard(self) -> tuple[str, PoseSample] | None:
-        """What one datagram says; None: nothing came, or nothing of sense."""
+    def _hear_bodies(self) -> list[str]:
+        """Listen until the body is heard of, and return the names of all that were, too."""
+        bodies = list[str]()
+        end = time.monotonic() + PATIENCE
+        while time.monotonic() < end:
+            sample = self._hear()
+            if sample is None or sample.body in bodies:
+                continue
+            bodies.append(sample.body)
+            if sample.body == self._body:
+                break
+            if not self._body:
+                end = min(end, time.monotonic() + OTHERS_FOLLOW)
+        return bodies
+
+    def _hear(self) -> BodyPose | None:
+        """Return what the next datagram says; None if nothing came, or nothing of sense."""
         try:
-            heard = decoded(self._socket.recv(LONGEST))
+            sample = read_datagram(self._socket.recv(LONGEST_DATAGRAM))
         except TimeoutError:
             return None
         except NoPose as error:
             self._trouble = f"invalid datagram: {error}"
             return None
         self._trouble = ""
-        return heard
+        return sample
 
     def work(self) -> None:
         """Take datagrams until the end."""
         while not self._ended.is_set():
-            heard = self._heard()
-            if heard is None or heard[0] != self._body:
+            sample = self._hear()
+            if sample is None or sample.body != self._body:
                 continue
-            late = self._last - heard[1].time
-            if late < 0.0 or late > RESTARTED:
-                self._last = heard[1].time
-                self._received.append((self._clock.now(), heard[1]))
+            lateness = self._last_frame_time - sample.pose.time
+            if lateness < 0.0 or lateness > RESTARTED:
+                self._last_frame_time = sample.pose.time
+                self._received.append((self._clock.now(), sample.pose))
 
     def release(self) -> None:
         """Close the socket."""

@@ -13,7 +13,7 @@ from laticauda.tank import lab, protocol
 from laticauda.tank.operate.drivers.base import host_and_port
 from laticauda.values import to_quaternion
 
-USUAL = "127.0.0.1:9870"
+DEFAULT_ADDRESS = "127.0.0.1:9870"
 
 
 class Sender:
@@ -24,8 +24,9 @@ class Sender:
         body: How the body is called.
     """
 
-    def __init__(self, address: str = USUAL, body: str = lab.BODY) -> None:
-        (self.host, self.port), self._body = host_and_port(address), body
+    def __init__(self, address: str = DEFAULT_ADDRESS, body: str = lab.BODY) -> None:
+        self.host, self.port = host_and_port(address)
+        self._body = body
 
     def start(self) -> None:
         """Open the socket."""
@@ -38,28 +39,34 @@ class Sender:
     def publish(self, frame: protocol.MocapFrame) -> None:
         """Send what the cameras see."""
         pose = frame.bodies[0]
-        said: dict[str, object] = {"body": self._body, "time": frame.timestamp, "position": None}
+        message: dict[str, object] = {
+            "body": self._body,
+            "time": frame.timestamp,
+            "position": None,
+        }
         if pose is not None:
-            said |= {"position": pose.position.tolist(), "quaternion": to_quaternion(pose.rotation)}
-            said |= {"residual": pose.residual} if math.isfinite(pose.residual) else {}
-        self._socket.sendto(json.dumps(said).encode(), (self.host, self.port))
+            message["position"] = pose.position.tolist()
+            message["quaternion"] = to_quaternion(pose.rotation)
+        if pose is not None and math.isfinite(pose.residual):
+            message["residual"] = pose.residual
+        self._socket.sendto(json.dumps(message).encode(), (self.host, self.port))
 
 
 def main() -> None:
     """A tank until Ctrl-C."""
     robot = lc.load_robot("mamba")
-    body = lab.VirtualRobot(
-        robot, lc.build_plant(robot, lc.load_water("paper-lateral"), joints="servo")
-    )
-    sender, bus = Sender(*sys.argv[1:2]), protocol.bus_address("udp_multicast")
-    served = lab.Lab(lab.Tank(body), bus=bus)
-    served.server = sender
-    addresses = served.open()
+    plant = lc.build_plant(robot, lc.load_water("paper-lateral"), joints="servo")
+    tank = lab.Tank(lab.VirtualRobot(robot, plant))
+    bus = protocol.bus_address("udp_multicast")
+    sender = Sender(*sys.argv[1:2])
+    virtual_lab = lab.Lab(tank, bus=bus)
+    virtual_lab.server = sender
+    addresses = virtual_lab.open()
     print(f"bus {bus} | udp-json {sender.host}:{sender.port} | meter {addresses.meter}", flush=True)
     try:
-        served.run()
+        virtual_lab.run()
     except KeyboardInterrupt:
-        served.close()
+        virtual_lab.close()
 
 
 if __name__ == "__main__":
