@@ -31,26 +31,26 @@ SLICE = textwrap.dedent(
     for joints, duration in (("prescribed", 0.3), ("servo", 0.01)):
         settings = {"joints": joints, "environments": waters, "dt": 0.05 if joints == "prescribed" else 0.002}
         with limit_case():
-            here, there = (lc.swim_many(robot, gaits, duration, device=d, **settings) for d in ("cpu", "cuda"))
-        assert here.succeeded.tolist() == [False, True, True]
+            on_cpu, on_gpu = (lc.swim_many(robot, gaits, duration, device=d, **settings) for d in ("cpu", "cuda"))
+        assert on_cpu.succeeded.tolist() == [False, True, True]
         for name in ("forward_velocity", "net_power", "mean_power", "heading", "center_of_mass"):
-            np.testing.assert_allclose(getattr(there, name), getattr(here, name), rtol=1e-9, err_msg=name)
-        assert there.status == here.status
+            np.testing.assert_allclose(getattr(on_gpu, name), getattr(on_cpu, name), rtol=1e-9, err_msg=name)
+        assert on_gpu.status == on_cpu.status
     broad = replace(body.caudal_fin, length=0.06, height=0.2, opening_length=0.0)
     finned = replace(robot, caudal_fin=broad)
     spanned = replace(calm, added_mass_form="kirchhoff", trailing_edge="finite-span", edge_clip=0.2)
-    here, there = (
+    on_cpu, on_gpu = (
         lc.swim_many(finned, gaits, 0.3, environments=spanned, dt=0.05, device=d) for d in ("cpu", "cuda")
     )
-    np.testing.assert_allclose(there.center_of_mass, here.center_of_mass, rtol=1e-9)
+    np.testing.assert_allclose(on_gpu.center_of_mass, on_cpu.center_of_mass, rtol=1e-9)
     # What has a kernel of its own: no fin, still water; and with a current, the general one again.
     bare = replace(robot, caudal_fin=None)
     for water in (calm, replace(calm, current=(0.1, 0.05))):
-        here, there = (
+        on_cpu, on_gpu = (
             lc.swim_many(bare, gaits, 0.3, environments=water, device=d) for d in ("cpu", "cuda")
         )
         for name in ("net_power", "heading", "center_of_mass"):
-            np.testing.assert_allclose(getattr(there, name), getattr(here, name), rtol=1e-9, err_msg=name)
+            np.testing.assert_allclose(getattr(on_gpu, name), getattr(on_cpu, name), rtol=1e-9, err_msg=name)
     from laticauda.water.fluid.gridded import Gridded
     from laticauda.water.fluid.gridded import to_dataset
     lake = to_dataset(lc.load_current("vortex"), x=[-5.0, 5.0], y=[-5.0, 5.0])
@@ -70,10 +70,10 @@ def test_the_simulated_gpu_gives_what_the_processor_gives():
         [str(Path(__file__).parents[1] / "src"), os.environ.get("PYTHONPATH", "")]
     )
     environment = {**os.environ, "NUMBA_ENABLE_CUDASIM": "1", "PYTHONPATH": path}
-    done = subprocess.run(
+    process = subprocess.run(
         [sys.executable, "-c", SLICE], env=environment, capture_output=True, text=True
     )
-    assert done.returncode == 0, done.stderr
+    assert process.returncode == 0, process.stderr
 
 
 def gpu_or_skip():
@@ -87,7 +87,7 @@ def gpu_or_skip():
 @pytest.mark.parametrize("joints", ["prescribed", "pd", "servo"])
 def test_a_gpu_gives_what_the_processor_gives(joints):
     gpu_or_skip()
-    here, there = (
+    on_cpu, on_gpu = (
         lc.swim_many(load_robot("mamba-fin"), GAITS, 15.0, joints=joints, device=d)
         for d in ("cpu", "cuda")
     )
@@ -99,7 +99,7 @@ def test_a_gpu_gives_what_the_processor_gives(joints):
         "heading",
         "center_of_mass",
     ):
-        np.testing.assert_allclose(getattr(there, name), getattr(here, name), rtol=1e-9)
+        np.testing.assert_allclose(getattr(on_gpu, name), getattr(on_cpu, name), rtol=1e-9)
 
 
 def test_a_machine_without_a_gpu_or_numba_cuda_says_so():

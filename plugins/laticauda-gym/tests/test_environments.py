@@ -36,11 +36,23 @@ def actions_of(envs, count: int, seed: int = 0) -> np.ndarray:
     return np.random.default_rng(seed).uniform(-1.2, 1.2, (count, *envs.action_space.shape))
 
 
-def rolled(envs, count: int = 12, seed: int | None = 5) -> list[tuple]:
-    """Everything that an environment says in some steps."""
-    said = [envs.reset(seed=seed)]
-    said += [envs.step(action) for action in actions_of(envs, count)]
-    return said
+def roll_out(envs, count: int = 12, seed: int | None = 5) -> list[tuple]:
+    """Everything that an environment returns: from a reset, and from some steps."""
+    returned = [envs.reset(seed=seed)]
+    for action in actions_of(envs, count):
+        returned.append(envs.step(action))
+    return returned
+
+
+def check_same_numbers(many: tuple, others: tuple) -> None:
+    """Refuse two returns of `step` or `reset` that differ in a bit, without their infos."""
+    for values, other_values in zip(many[:-1], others[:-1], strict=True):
+        np.testing.assert_array_equal(values, other_values)
+
+
+def check_same_infos(infos: dict, other_infos: dict) -> None:
+    for key in INFOS:
+        np.testing.assert_array_equal(infos[key], other_infos[key])
 
 
 @pytest.mark.parametrize("name", IDS)
@@ -56,30 +68,30 @@ def test_the_environments_take_the_spatial_model_and_lanes_do_what_single_ones_d
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         check_env(gymnasium.make(IDS[0], **settings).unwrapped)
-    many = rolled(gymnasium.make_vec(IDS[0], num_envs=3, threads=2, **settings), count=8)
-    singles = rolled(
+    many = roll_out(gymnasium.make_vec(IDS[0], num_envs=3, threads=2, **settings), count=8)
+    singles = roll_out(
         gymnasium.make_vec(IDS[0], num_envs=3, vectorization_mode="sync", **settings), count=8
     )
-    planar = rolled(gymnasium.make_vec(IDS[0], num_envs=3, duration=0.6, interval=0.1), count=8)
-    for one, other, flat in zip(many, singles, planar, strict=True):
-        for x, y in zip(one[:-1], other[:-1], strict=True):
-            np.testing.assert_array_equal(x, y)
-        np.testing.assert_allclose(
-            one[-1]["x"], flat[-1]["x"], atol=1e-4
-        )  # the same episode by another model
+    planar = roll_out(gymnasium.make_vec(IDS[0], num_envs=3, duration=0.6, interval=0.1), count=8)
+    for of_many, of_singles, of_planar in zip(many, singles, planar, strict=True):
+        check_same_numbers(of_many, of_singles)
+        # The same episode by another model.
+        np.testing.assert_allclose(of_many[-1]["x"], of_planar[-1]["x"], atol=1e-4)
 
 
 def test_in_space_an_episode_in_a_flow_is_that_in_the_plane():
     pytest.importorskip("mujoco")
     settings = {"duration": 0.6, "interval": 0.1, "current": lc.load_current("street")}
-    space, plane = (
-        SwimmingEnv(robot="mamba", model=model, **settings) for model in ("spatial", "planar")
-    )
-    still = SwimmingEnv(robot="mamba", duration=0.6, interval=0.1)
-    ends = [rolled(one, count=6)[-1][-1] for one in (space, plane, still)]
-    moved = abs(ends[1]["x"] - ends[2]["x"]) + abs(ends[1]["y"] - ends[2]["y"])
+
+    def last_info(env) -> dict:
+        return roll_out(env, count=6)[-1][-1]
+
+    space = last_info(SwimmingEnv(robot="mamba", model="spatial", **settings))
+    plane = last_info(SwimmingEnv(robot="mamba", model="planar", **settings))
+    still = last_info(SwimmingEnv(robot="mamba", duration=0.6, interval=0.1))
+    drift = abs(plane["x"] - still["x"]) + abs(plane["y"] - still["y"])
     for name in ("x", "y"):
-        assert ends[0][name] == pytest.approx(ends[1][name], abs=0.05 * moved)
+        assert space[name] == pytest.approx(plane[name], abs=0.05 * drift)
 
 
 @pytest.mark.parametrize("model", ["planar", "spatial"])
@@ -90,11 +102,10 @@ def test_pictures_show_the_robot_as_it_is_and_a_lane_what_a_single_one_shows(mod
         warnings.simplefilter("error")
         check_env(gymnasium.make(IDS[1], **settings).unwrapped)
     assert gymnasium.make(IDS[1], **settings).metadata["render_fps"] == 5.0
-    envs, env = (
-        gymnasium.make_vec(IDS[1], num_envs=2, **settings),
-        gymnasium.make(IDS[1], **settings),
-    )
-    envs.reset(seed=3), env.reset(seed=3)
+    envs = gymnasium.make_vec(IDS[1], num_envs=2, **settings)
+    env = gymnasium.make(IDS[1], **settings)
+    envs.reset(seed=3)
+    env.reset(seed=3)
     before = env.render()
     actions = np.array([[1.0, 1.0, 0.0], [1.0, -1.0, 0.0]])
     for _ in range(2):
@@ -105,7 +116,8 @@ def test_pictures_show_the_robot_as_it_is_and_a_lane_what_a_single_one_shows(mod
     np.testing.assert_array_equal(first, env.render())
     assert np.mean(first != before) > 0.005  # one bends, the other stays
     assert np.mean(first != second) > 0.005
-    envs.close(), env.close()
+    envs.close()
+    env.close()
     assert gymnasium.make(IDS[1], duration=1.0).unwrapped.render() is None
 
 
@@ -117,28 +129,26 @@ def test_an_episode_in_a_scene_feels_and_sees_it_and_does_not_begin_inside_of_it
     envs = SwimmingVectorEnv(2, max_cross_track_error=0.0, max_heading=0.0, **settings)
     envs.reset(seed=0)
     envs.step(np.array([[1.0], [-1.0]]))
-    for one in envs.episodes.motion.observations:
-        assert (one.contact_force.shape, one.ranges.shape) == ((9, 3), (1,))
+    for observation in envs.episodes.motion.observations:
+        assert observation.contact_force.shape == (9, 3)
+        assert observation.ranges.shape == (1,)
     envs.close()
 
 
 def test_a_task_of_ones_own_sees_what_the_planar_model_knows_nothing_of():
+    def height(step):
+        observations = step.after.observations
+        return np.array([observation.center_of_mass[2] for observation in observations])
+
     @value_class
     class Dive(Efficiency):
         @property
         def sights(self):
-            return (
-                Sight(
-                    name="height",
-                    of=lambda step: np.array(
-                        [o.center_of_mass[2] for o in step.after.observations]
-                    ),
-                ),
-            )
+            return (Sight(name="height", of=height),)
 
     task = Dive(scenario=swimmer(robot="mamba", model="spatial", root="free", duration=0.4))
-    seen, _ = SwimmingVectorEnv(2, task=task).reset(seed=0)
-    assert seen[:, 0] == pytest.approx([-0.505, -0.505])
+    observation, _ = SwimmingVectorEnv(2, task=task).reset(seed=0)
+    assert observation[:, 0] == pytest.approx([-0.505, -0.505])
 
 
 @pytest.mark.parametrize("name", IDS)
@@ -164,12 +174,10 @@ import sys, gymnasium, laticauda_gym
 print([name for name in ("numba", "stable_baselines3") if name in sys.modules])
 gymnasium.make("laticauda_gym:laticauda/StationKeeping-v0")
 """
-    path = {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
-    words = [sys.executable, "-c", code]
-    done = subprocess.run(
-        words, env={**os.environ, **path}, capture_output=True, text=True, check=True
-    )
-    assert done.stdout == "[]\n"
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    command = [sys.executable, "-c", code]
+    process = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+    assert process.stdout == "[]\n"
 
 
 def test_what_gymnasium_knows_of_an_environment_can_be_stored():
@@ -181,70 +189,67 @@ def test_what_gymnasium_knows_of_an_environment_can_be_stored():
 
 @pytest.mark.parametrize("name", IDS)
 def test_the_same_seed_gives_the_same_bits(name: str):
-    a, b = (rolled(gymnasium.make_vec(name, num_envs=9, **SHORT)) for _ in range(2))
-    for one, other in zip(a, b, strict=True):
-        for x, y in zip(one[:-1], other[:-1], strict=True):
-            np.testing.assert_array_equal(x, y)
-        for key in INFOS:
-            np.testing.assert_array_equal(one[-1][key], other[-1][key])
-    c = rolled(gymnasium.make_vec(name, num_envs=9, **SHORT), seed=6)
-    assert not np.array_equal(a[0][0], c[0][0])
+    first = roll_out(gymnasium.make_vec(name, num_envs=9, **SHORT))
+    again = roll_out(gymnasium.make_vec(name, num_envs=9, **SHORT))
+    for of_first, of_again in zip(first, again, strict=True):
+        check_same_numbers(of_first, of_again)
+        check_same_infos(of_first[-1], of_again[-1])
+    other_seed = roll_out(gymnasium.make_vec(name, num_envs=9, **SHORT), seed=6)
+    assert not np.array_equal(first[0][0], other_seed[0][0])
 
 
 @pytest.mark.parametrize("name", IDS)
 def test_a_lane_does_what_a_single_environment_with_its_seed_does_to_the_last_bit(name: str):
     """Also through the end of an episode, of which there are two in twelve steps."""
-    many = rolled(gymnasium.make_vec(name, num_envs=10, **SHORT))
-    singles = rolled(gymnasium.make_vec(name, num_envs=10, vectorization_mode="sync", **SHORT))
-    for one, other in zip(many, singles, strict=True):
-        for x, y in zip(one[:-1], other[:-1], strict=True):
-            np.testing.assert_array_equal(x, y)
-        for key in INFOS:
-            np.testing.assert_array_equal(one[-1][key], other[-1][key])
+    many = roll_out(gymnasium.make_vec(name, num_envs=10, **SHORT))
+    singles = roll_out(gymnasium.make_vec(name, num_envs=10, vectorization_mode="sync", **SHORT))
+    for of_many, of_singles in zip(many, singles, strict=True):
+        check_same_numbers(of_many, of_singles)
+        check_same_infos(of_many[-1], of_singles[-1])
 
 
 def test_both_go_from_one_episode_to_the_next_in_the_same_step_if_they_are_to():
     settings = {"num_envs": 4, **SHORT}
     many = SwimmingVectorEnv(autoreset_mode="SameStep", **settings)
-    wrapped = {
-        "vectorization_mode": "sync",
-        "vector_kwargs": {"autoreset_mode": AutoresetMode.SAME_STEP},
-    }
-    singles = gymnasium.make_vec(IDS[0], **wrapped, **settings)
-    for one, other in zip(rolled(many), rolled(singles), strict=True):
-        for x, y in zip(one[:-1], other[:-1], strict=True):
-            np.testing.assert_array_equal(x, y)
-        assert ("final_obs" in one[-1]) == ("final_obs" in other[-1])
-        if "final_obs" in one[-1]:
+    singles = gymnasium.make_vec(
+        IDS[0],
+        vectorization_mode="sync",
+        vector_kwargs={"autoreset_mode": AutoresetMode.SAME_STEP},
+        **settings,
+    )
+    for of_many, of_singles in zip(roll_out(many), roll_out(singles), strict=True):
+        check_same_numbers(of_many, of_singles)
+        infos, other_infos = of_many[-1], of_singles[-1]
+        assert ("final_obs" in infos) == ("final_obs" in other_infos)
+        if "final_obs" in infos:
             np.testing.assert_array_equal(
-                np.stack(one[-1]["final_obs"]), np.stack(other[-1]["final_obs"])
+                np.stack(infos["final_obs"]), np.stack(other_infos["final_obs"])
             )
-            for key in INFOS:
-                np.testing.assert_array_equal(
-                    one[-1]["final_info"][key], other[-1]["final_info"][key]
-                )
+            check_same_infos(infos["final_info"], other_infos["final_info"])
 
 
 def test_threads_change_no_bit():
-    one, two = (rolled(SwimmingVectorEnv(33, threads=threads, **SHORT)) for threads in (1, 2))
-    for x, y in zip(one, two, strict=True):
-        np.testing.assert_array_equal(x[0], y[0])
+    by_one_thread = roll_out(SwimmingVectorEnv(33, threads=1, **SHORT))
+    by_two_threads = roll_out(SwimmingVectorEnv(33, threads=2, **SHORT))
+    for of_one, of_two in zip(by_one_thread, by_two_threads, strict=True):
+        np.testing.assert_array_equal(of_one[0], of_two[0])
 
 
 def test_the_step_after_an_episode_is_its_reset():
     envs = SwimmingVectorEnv(2, **SHORT)
-    said = rolled(envs, count=7)
-    over = [step[3].tolist() for step in said[1:]]
-    assert over == [[False, False]] * 4 + [[True, True]] + [[False, False]] * 2
-    assert said[6][1].tolist() == [0.0, 0.0]
-    assert said[6][-1]["power"].tolist() == [0.0, 0.0]
+    steps = roll_out(envs, count=7)[1:]
+    is_over = [truncated.tolist() for _, _, _, truncated, _ in steps]
+    assert is_over == [[False, False]] * 4 + [[True, True]] + [[False, False]] * 2
+    _, reward, _, _, info = steps[5]
+    assert reward.tolist() == [0.0, 0.0]
+    assert info["power"].tolist() == [0.0, 0.0]
     assert envs.episodes.motion.time[0] == pytest.approx(0.2)
 
 
 def test_without_autoreset_a_mask_says_who_begins_anew():
     envs = SwimmingVectorEnv(3, autoreset_mode="Disabled", **SHORT)
-    said = rolled(envs, count=5)
-    assert said[-1][3].all()
+    last_observation, _, _, truncated, _ = roll_out(envs, count=5)[-1]
+    assert truncated.all()
     action = actions_of(envs, 1)[0]
     with pytest.raises(
         ValueError, match=r"`reset` must be called with a `reset_mask` for the lanes .* \[0, 1, 2\]"
@@ -253,8 +258,8 @@ def test_without_autoreset_a_mask_says_who_begins_anew():
     options = {"reset_mask": np.array([True, False, True])}
     observation, _ = envs.reset(options=options)
     assert "reset_mask" in options
-    np.testing.assert_array_equal(observation[1], said[-1][0][1])
-    assert not np.array_equal(observation[0], said[-1][0][0])
+    np.testing.assert_array_equal(observation[1], last_observation[1])
+    assert not np.array_equal(observation[0], last_observation[0])
     with pytest.raises(ValueError, match=r"\[1\]"):
         envs.step(action)
     envs.reset(options={"reset_mask": np.array([False, True, False])})
@@ -262,45 +267,51 @@ def test_without_autoreset_a_mask_says_who_begins_anew():
 
 
 def test_a_lane_that_diverges_is_terminated_and_harms_no_other():
-    envs, calm = SwimmingVectorEnv(9), SwimmingVectorEnv(9)
+    envs = SwimmingVectorEnv(9)
+    calm = SwimmingVectorEnv(9)
     envs.reset(seed=1)
     calm.reset(seed=1)
     envs.episodes.school._lanes[0, :, 3] *= 1e200  # nothing that can be asked for does it
     action = np.zeros((9, 1))
     for step in range(3):
         observation, reward, terminated, truncated, _ = envs.step(action)
-        expected = calm.step(action)
+        expected_observation, expected_reward, _, _, _ = calm.step(action)
         assert envs.observation_space.contains(observation)
-        assert np.flatnonzero(terminated).tolist() == ([3] if step == 0 else [])
         assert not truncated.any()
-        assert reward[3] == -1000.0 if step == 0 else abs(reward[3]) < 100.0
-        others = np.arange(9) != 3
-        np.testing.assert_array_equal(observation[others], expected[0][others])
-        np.testing.assert_array_equal(reward[others], expected[1][others])
+        if step == 0:
+            assert np.flatnonzero(terminated).tolist() == [3]
+            assert reward[3] == -1000.0
+        else:
+            assert not terminated.any()
+            assert abs(reward[3]) < 100.0
+        are_calm = np.arange(9) != 3
+        np.testing.assert_array_equal(observation[are_calm], expected_observation[are_calm])
+        np.testing.assert_array_equal(reward[are_calm], expected_reward[are_calm])
 
 
 def test_actions_beyond_their_bounds_ask_for_the_bounds():
     envs = SwimmingVectorEnv(2)
     envs.reset(seed=[3, 3])
-    observation = [envs.step(np.array([[1.0], [7.0]]))[0] for _ in range(3)][-1]
+    for _ in range(3):
+        observation, *_ = envs.step(np.array([[1.0], [7.0]]))
     np.testing.assert_array_equal(observation[0], observation[1])
 
 
 def test_options_say_what_is_not_drawn():
     envs = SwimmingVectorEnv(3)
-    given = {
+    options = {
         "y": 0.25,
         "heading": np.array([0.1, 0.2, 0.3]),
         "current_speed": 0.05,
         "current_direction": 0.0,
     }
-    _, info = envs.reset(seed=1, options=given)
+    _, info = envs.reset(seed=1, options=options)
     assert info["y"].tolist() == [0.25] * 3
     assert info["heading"].tolist() == [0.1, 0.2, 0.3]
     drawn = envs.episodes.drawn
     assert drawn["current_speed"].tolist() == [0.05] * 3
-    single = SwimmingEnv()
-    assert single.reset(options={"y": -0.5})[1]["y"] == -0.5
+    _, info = SwimmingEnv().reset(options={"y": -0.5})
+    assert info["y"] == -0.5
 
 
 BAD = [
@@ -404,23 +415,32 @@ GUSTS = {"robot": "mamba", "current": replace(lc.load_current("turbulence"), mod
 
 def test_each_seed_is_another_flow_in_lanes_as_in_single_environments_and_all_swim_as_swim_does():
     settings = {**GUSTS, "currents": {"intensity": (0.02, 0.1)}}
-    envs, one = SwimmingVectorEnv(3, **settings), SwimmingEnv(**settings)
+    envs = SwimmingVectorEnv(3, **settings)
+    single = SwimmingEnv(**settings)
     envs.reset(seed=5)
-    one.reset(seed=7)
+    single.reset(seed=7)
     for _ in range(5):
-        ends, end = envs.step(np.zeros((3, 1)))[0], one.step(np.zeros(1))[0]
-    np.testing.assert_array_equal(ends[2], end)
-    drawn, task = envs.episodes.drawn, envs.task
+        observations, *_ = envs.step(np.zeros((3, 1)))
+        observation, *_ = single.step(np.zeros(1))
+    np.testing.assert_array_equal(observations[2], observation)
+    drawn = envs.episodes.drawn
     assert len(set(drawn["water.current.seed"])) == 3
-    assert all((drawn["water.current.intensity"] > 0.02) & (drawn["water.current.intensity"] < 0.1))
+    intensity = drawn["water.current.intensity"]
+    assert all((intensity > 0.02) & (intensity < 0.1))
+    names = [name for name in drawn if name.startswith("water.")]
     for lane in range(3):
-        numbers = {
-            name: values[lane] for name, values in drawn.items() if name.startswith("water.")
-        }
-        start = lc.Start(center_of_mass=(0.0, drawn["y"][lane]), heading=drawn["heading"][lane])
-        trial = lc.swim(replace(change_parameters(task.scenario, numbers), start=start))
-        here = envs.episodes.motion.x[lane], envs.episodes.motion.y[lane]
-        assert here == pytest.approx(trial.center_of_mass[-1], abs=1e-12)
+        check_swims_as_swim_does(envs, lane, names)
+
+
+def check_swims_as_swim_does(envs, lane, names):
+    """Refuse a lane that swims elsewhere than a trial in the flow and from the start that it drew."""
+    drawn = envs.episodes.drawn
+    flow = {name: drawn[name][lane] for name in names}
+    scenario = change_parameters(envs.task.scenario, flow)
+    start = lc.Start(center_of_mass=(0.0, drawn["y"][lane]), heading=drawn["heading"][lane])
+    trial = lc.swim(replace(scenario, start=start))
+    position = envs.episodes.motion.x[lane], envs.episodes.motion.y[lane]
+    assert position == pytest.approx(trial.center_of_mass[-1], abs=1e-12)
 
 
 def test_in_a_flow_on_a_grid_whose_start_is_drawn_lanes_swim_as_swim_does():
@@ -433,18 +453,12 @@ def test_in_a_flow_on_a_grid_whose_start_is_drawn_lanes_swim_as_swim_does():
     drawn = envs.episodes.drawn
     assert np.ptp(drawn["water.current.start"]) > 0.1
     for lane in range(2):
-        own = change_parameters(
-            envs.task.scenario, {"water.current.start": drawn["water.current.start"][lane]}
-        )
-        start = lc.Start(center_of_mass=(0.0, drawn["y"][lane]), heading=drawn["heading"][lane])
-        here = envs.episodes.motion.x[lane], envs.episodes.motion.y[lane]
-        assert here == pytest.approx(
-            lc.swim(replace(own, start=start)).center_of_mass[-1], abs=1e-12
-        )
+        check_swims_as_swim_does(envs, lane, ["water.current.start"])
 
 
 def test_a_flow_is_drawn_by_its_seed_and_not_seen_and_can_be_said():
-    still, moving = SwimmingEnv(robot="mamba", **SHORT), SwimmingEnv(**GUSTS)
+    still = SwimmingEnv(robot="mamba", **SHORT)
+    moving = SwimmingEnv(**GUSTS)
     assert moving.observation_space == still.observation_space
     assert [draw.name for draw in still.task.draws] == [
         "y",
@@ -455,11 +469,11 @@ def test_a_flow_is_drawn_by_its_seed_and_not_seen_and_can_be_said():
     assert [draw.name for draw in moving.task.draws] == ["y", "heading", "water.current.seed"]
     moving.reset(seed=1, options={"water.current.seed": 3})
     assert moving.unwrapped.episodes.drawn["water.current.seed"] == [3.0]
-    share = np.linspace(0.0, 1.0, 3000, endpoint=False)
-    counts = np.unique(
-        Range(name="seed", low=2.0, high=4.0, is_whole=True).at(share), return_counts=True
-    )
-    np.testing.assert_array_equal(counts, ([2.0, 3.0, 4.0], [1000] * 3))
+    seeds = Range(name="seed", low=2.0, high=4.0, is_whole=True)
+    draws = seeds.at(np.linspace(0.0, 1.0, 3000, endpoint=False))
+    values, counts = np.unique(draws, return_counts=True)
+    assert values.tolist() == [2.0, 3.0, 4.0]
+    assert counts.tolist() == [1000] * 3
 
 
 @pytest.mark.parametrize(

@@ -66,7 +66,7 @@ class Other:
         self.space = space
         self.node = Node(DOMAIN)
         self.last = {}
-        for topic, kind in {
+        kinds = {
             f"{space}/odom": messages.Odometry,
             f"{space}/joint_states": messages.JointState,
             f"{space}/imu/data": messages.Imu,
@@ -75,7 +75,8 @@ class Other:
             f"{space}/range_1": messages.Range,
             "/tf": messages.TFMessage,
             "/clock": messages.Clock,
-        }.items():
+        }
+        for topic, kind in kinds.items():
             self.node.read(topic, kind)
         self.node.write(f"{space}/cmd_vel", messages.Twist)
         self.node.write(f"{space}/forward_position_controller/commands", messages.Float64MultiArray)
@@ -83,7 +84,9 @@ class Other:
 
     def hear(self, topic):
         """The last message of a topic, once there is one."""
-        name = topic if topic.startswith("/") else f"{self.space}/{topic}"
+        name = topic
+        if not topic.startswith("/"):
+            name = f"{self.space}/{topic}"
 
         def has_come():
             for message in self.node.taken(name):
@@ -106,12 +109,12 @@ def robot(tmp_path):
     """The node in a program of its own, faster than real time, and another node here."""
     space = next(SPACES)
     (tmp_path / "plane.toml").write_text(SCENARIO)
-    argv = [sys.executable, "-m", "laticauda_ros2.app", str(tmp_path / "plane.toml"), "--json"]
-    argv += ["--namespace", space, "--domain", str(DOMAIN), "--speed", "4"]
-    places = [str(Path(module.__file__).parents[1]) for module in (lc, node)]
-    env = os.environ | {"PYTHONPATH": os.pathsep.join([*places, os.environ.get("PYTHONPATH", "")])}
-    with running(argv, env=env, stdout=subprocess.PIPE) as program:
-        program.said = json.loads(program.stdout.readline())
+    command = [sys.executable, "-m", "laticauda_ros2.app", str(tmp_path / "plane.toml"), "--json"]
+    command += ["--namespace", space, "--domain", str(DOMAIN), "--speed", "4"]
+    folders = [str(Path(module.__file__).parents[1]) for module in (lc, node)]
+    path = os.pathsep.join([*folders, os.environ.get("PYTHONPATH", "")])
+    with running(command, env=os.environ | {"PYTHONPATH": path}, stdout=subprocess.PIPE) as program:
+        program.announcement = json.loads(program.stdout.readline())
         program.other = Other(space)
         yield program
         program.other.node.close()
@@ -123,7 +126,7 @@ def x_of(other):
 
 def test_a_twist_swims_and_turns_the_robot_and_without_one_it_stops(robot):
     other = robot.other
-    assert f"{other.space}/cmd_vel" in robot.said["topics"]
+    assert f"{other.space}/cmd_vel" in robot.announcement["topics"]
     other.hear("odom")
     until(lambda: other.ask(forward=0.5, turn=0.1) or x_of(other) > 0.3, 60.0)
     until(lambda: other.ask(turn=0.1) or other.hear("odom").pose.pose.orientation.z > 0.05, 60.0)
@@ -142,9 +145,9 @@ def test_joint_positions_are_held_until_a_twist_comes_and_a_reset_begins_again(r
     angles = [0.02 * number for number in range(8)]
 
     def are_there():
-        say = messages.numbers
-        other.node.say(f"{other.space}/forward_position_controller/commands", say([0.5] * 3))
-        other.node.say(f"{other.space}/forward_position_controller/commands", say(angles))
+        topic = f"{other.space}/forward_position_controller/commands"
+        other.node.say(topic, messages.numbers([0.5] * 3))
+        other.node.say(topic, messages.numbers(angles))
         return np.allclose(other.hear("joint_states").position, angles, atol=0.01)
 
     until(are_there, 60.0)
@@ -172,9 +175,11 @@ def test_messages_of_one_step_agree_with_one_another(robot):
     odometry = other.last[f"{other.space}/odom"]
     tf = other.last["/tf"]
     assert (odometry.header.frame_id, odometry.child_frame_id) == ("odom", "base_link")
-    assert [one.child_frame_id for one in tf.transforms] == ["base_link", "module_0"]
-    assert {one.header.frame_id for one in tf.transforms} == {"odom"}
-    base, root = (one.transform.translation for one in tf.transforms)
+    of_base, of_root = tf.transforms
+    assert (of_base.header.frame_id, of_base.child_frame_id) == ("odom", "base_link")
+    assert (of_root.header.frame_id, of_root.child_frame_id) == ("odom", "module_0")
+    base = of_base.transform.translation
+    root = of_root.transform.translation
     length = lc.load_robot("mamba").length
     assert math.hypot(base.x - root.x, base.y - root.y) == pytest.approx(0.5 * length, rel=0.2)
     assert other.hear("imu/data").linear_acceleration.z == pytest.approx(9.80665, abs=1e-6)
@@ -189,7 +194,7 @@ def test_rays_are_ranges_and_a_robot_in_space_has_a_depth():
         start=lc.Start(center_of_mass=(-3.0, 0.0), depth=0.5),
     )
     space = next(SPACES)
-    served = VehicleNode(scenario, Drive(thruster=0, thrust=12.0), domain=DOMAIN, space=space)
+    vehicle_node = VehicleNode(scenario, Drive(thruster=0, thrust=12.0), domain=DOMAIN, space=space)
     other = Other(space)
     n_steps = itertools.count()
     ends = {"range_0", "range_1", "pressure"}
@@ -200,8 +205,8 @@ def test_rays_are_ranges_and_a_robot_in_space_has_a_depth():
                 other.last[name] = message
         return ends <= set(other.last) or next(n_steps) > 2000
 
-    served.run(has_told, speed=0.0)
-    served.close()
+    vehicle_node.run(has_told, speed=0.0)
+    vehicle_node.close()
     ahead, behind = other.last["range_0"], other.last["range_1"]
     assert 0.0 < ahead.range < 100.0
     assert ahead.header.frame_id == "module_18"

@@ -46,8 +46,10 @@ from laticauda.values import BadArgument, scalars
 Result = TypeVar("Result")
 
 config.CUDA_LOW_OCCUPANCY_WARNINGS = 0  # few runs leave it idle, as the documentation says
-_THREADS = 64  # per block: a run takes many registers
-_LOG_BYTES = 2**31  # runs that go at a time are as many as have logs of this size together
+_THREADS = 64
+"""Threads of a block, which are few because a run takes many registers."""
+_LOG_BYTES = 2**31
+"""Size of the logs of all runs that go at a time [B]."""
 
 
 class Cuda(Device):
@@ -71,11 +73,13 @@ class Cuda(Device):
                 "device", "must be `cpu` on a machine without a CUDA GPU and its driver, got 'cuda'"
             )
         n_intervals = max(1, round(duration / sample_interval))
-        at_a_time = max(_THREADS, _LOG_BYTES // (8 * PATH_ROWS * (n_intervals + 1)))
-        for alike in kinds_of(runs, duration / n_intervals):
-            for first in range(0, len(alike), at_a_time):
-                index = np.array(alike[first : first + at_a_time])
-                yield use(_march([runs[int(i)] for i in index], index, duration, n_intervals))
+        bytes_of_log = 8 * PATH_ROWS * (n_intervals + 1)
+        n_at_a_time = max(_THREADS, _LOG_BYTES // bytes_of_log)
+        for kind in kinds_of(runs, duration / n_intervals):
+            for first in range(0, len(kind), n_at_a_time):
+                index = np.array(kind[first : first + n_at_a_time])
+                runs_of_kind = [runs[int(i)] for i in index]
+                yield use(_march(runs_of_kind, index, duration, n_intervals))
 
 
 def _march(runs: Sequence[Run], index: np.ndarray, duration: float, n_intervals: int) -> Block:
@@ -92,15 +96,26 @@ def _march(runs: Sequence[Run], index: np.ndarray, duration: float, n_intervals:
     march = kernel_of(plant, is_still)
     # Behind the laws of the joints: which are free. A kernel on a GPU cannot make arrays.
     laws = np.concatenate((law, law >= rows.FIRST_FREE))
-    tables = (cuda.to_device(table) for table in (first_strip, first_plate, laws))
-    shape = n, *tables, tail_link, has_extras
-    blocks = math.ceil(len(runs) / _THREADS)
-    march[blocks, _THREADS](states, *shape, plant.is_implicit, n_intervals * every, dt, every, log)
-    end, path = states.copy_to_host(), log.copy_to_host()
+    n_blocks = math.ceil(len(runs) / _THREADS)
+    march[n_blocks, _THREADS](
+        states,
+        n,
+        cuda.to_device(first_strip),
+        cuda.to_device(first_plate),
+        cuda.to_device(laws),
+        tail_link,
+        has_extras,
+        plant.is_implicit,
+        n_intervals * every,
+        dt,
+        every,
+        log,
+    )
+    end = states.copy_to_host()
+    path = log.copy_to_host()
     n_samples = end[rows.SAMPLES].astype(int)
-    path[:, 0, 0] = path[
-        :, 0, np.argmax(n_samples)
-    ]  # the times of all; a run that diverges stops there
+    # The times of all are those of the run that went on longest: a run that diverges stops there.
+    path[:, 0, 0] = path[:, 0, np.argmax(n_samples)]
     return block_of(index, path, end, n_samples)
 
 
@@ -111,9 +126,11 @@ def kernel_of(plant: PlanarPlant, is_still: bool) -> Any:
         plant: Robot and environment.
         is_still: Whether the water is that of `rows.STILL_WATER` in all runs.
     """
-    run_name, target = RUN, _target()
+    run_name = RUN
+    target = _target()
     if is_still and plant.run_name == RUN_PRESCRIBED:
-        run_name, target = RUN_PRESCRIBED, _target_of_prescribed()
+        run_name = RUN_PRESCRIBED
+        target = _target_of_prescribed()
     stepping = specialize(1, plant.law, plant.joints, plant.flow.kinds, target)
     return _kernel(getattr(stepping, run_name))
 
@@ -140,9 +157,10 @@ def _kernel(run: Any) -> Any:
     ):
         i = cuda.grid(1)
         if i < flat.shape[1]:
-            row, own = flat[:, i], log[:, :, i]
+            column = flat[:, i]
+            log_of_run = log[:, :, i]
             run(
-                row,
+                column,
                 n,
                 first_strip,
                 first_plate,
@@ -153,7 +171,7 @@ def _kernel(run: Any) -> Any:
                 steps,
                 dt,
                 every,
-                own,
+                log_of_run,
             )
 
     return march

@@ -59,10 +59,10 @@ def find_assembler() -> Path:
     for folder in folders:
         for path in Path(folder).glob("*/bin/ptxas"):
             return path
-    found = shutil.which("ptxas")
-    if found is None:
+    path_of_system = shutil.which("ptxas")
+    if path_of_system is None:
         raise NoAssembler("There is no `ptxas`: pip install './plugins/laticauda-cuda[ptx]'.")
-    return Path(found)
+    return Path(path_of_system)
 
 
 def measure(plant: PlanarPlant) -> Use:
@@ -84,15 +84,15 @@ def measure(plant: PlanarPlant) -> Use:
         source.write_text(ptx)
         architecture = "sm_{}{}".format(*CAPABILITY)
         output = str(Path(folder) / "kernel.cubin")
-        done = subprocess.run(
+        process = subprocess.run(
             [assembler, "-v", f"-arch={architecture}", source, "-o", output],
             capture_output=True,
             text=True,
             check=True,
         )
     return Use(
-        registers=_read_number(r"Used (\d+) registers", done.stderr),
-        stack=_read_number(r"(\d+) bytes stack frame", done.stderr),
+        registers=_read_number(r"Used (\d+) registers", process.stderr),
+        stack=_read_number(r"(\d+) bytes stack frame", process.stderr),
     )
 
 

@@ -159,10 +159,12 @@ def _nearest(step: Step) -> tuple[Numbers, Numbers]:
     y = step.after.y - step.after.y[:, np.newaxis]
     distance = np.hypot(x, y)
     np.fill_diagonal(distance, np.inf)
-    own, nearest = np.arange(len(x)), distance.argmin(axis=1)
-    return in_body_axes(step.after, x[own, nearest], y[own, nearest])
+    robots = np.arange(len(x))
+    nearest = distance.argmin(axis=1)
+    return in_body_axes(step.after, x[robots, nearest], y[robots, nearest])
 
 
 def _touches(step: Step) -> Numbers:
     """1 for a robot with a contact force on it at the end of the step, else 0."""
-    return np.array([float(np.any(one.contact_force)) for one in step.after.observations])
+    observations = step.after.observations
+    return np.array([float(np.any(observation.contact_force)) for observation in observations])

@@ -38,7 +38,8 @@ class StableBaselines(VecEnv):
             advice = 'as in `SwimmingVectorEnv(64, autoreset_mode="SameStep")`'
             got = envs.autoreset_mode.value
             raise BadArgument("envs.autoreset_mode", f"must be `SameStep`, {advice}, got {got!r}")
-        self.envs, self.render_mode = envs, envs.render_mode
+        self.envs = envs
+        self.render_mode = envs.render_mode
         super().__init__(envs.num_envs, envs.single_observation_space, envs.single_action_space)
 
     def reset(self) -> np.ndarray:

@@ -4,7 +4,7 @@
 # pyright: reportIncompatibleMethodOverride=false, reportUnknownParameterType=false, reportUnknownArgumentType=false
 
 from collections.abc import Mapping, Sequence
-from typing import Any, TypeVar, get_type_hints
+from typing import Any, NamedTuple, TypeVar, get_type_hints
 
 import gymnasium
 import numpy as np
@@ -45,10 +45,11 @@ def task_of(task: str | Swimming, settings: Mapping[str, Any]) -> Swimming:
                 "task", f"must be a name if its fields are given, got {task} and {set(settings)}"
             )
         return task
-    return decoded(TASKS[check_choice("task", task, tuple(TASKS))], settings)
+    task_class = TASKS[check_choice("task", task, tuple(TASKS))]
+    return make_task(task_class, settings)
 
 
-def decoded(kind: type[TaskType], settings: Mapping[str, Any]) -> TaskType:
+def make_task(kind: type[TaskType], settings: Mapping[str, Any]) -> TaskType:
     """Return a task from its fields.
 
     Args:
@@ -58,30 +59,39 @@ def decoded(kind: type[TaskType], settings: Mapping[str, Any]) -> TaskType:
     Raises:
         ValueError: If there is no such field, or one is out of its range.
     """
-    fields = {name: one for name, one in settings.items() if name not in OF_SCENARIO}
-    if len(fields) < len(settings):
+    fields = {name: value for name, value in settings.items() if name not in OF_SCENARIO}
+    of_scenario = {name: value for name, value in settings.items() if name in OF_SCENARIO}
+    if of_scenario:
         if "scenario" in fields:
-            raise BadArgument(
-                "scenario", f"must not be given with {set(settings) & set(OF_SCENARIO)}"
-            )
-        fields["scenario"] = swimmer(
-            **{name: one for name, one in settings.items() if name in OF_SCENARIO}
-        )
+            raise BadArgument("scenario", f"must not be given with {set(of_scenario)}")
+        fields["scenario"] = swimmer(**of_scenario)
     return codec.decode(kind, fields)
 
 
-def spaces(task: Swimming) -> tuple[gymnasium.spaces.Box, gymnasium.spaces.Box]:
+class Spaces(NamedTuple):
+    """The spaces of one robot."""
+
+    observations: gymnasium.spaces.Box
+    """Observations, within `BOUND`."""
+    actions: gymnasium.spaces.Box
+    """Actions, from -1 to 1."""
+
+
+def make_spaces(task: Swimming) -> Spaces:
     """Return the spaces of the observations and of the actions of one robot.
 
     Args:
         task: Task of the robot.
     """
-    n_numbers = len(task.sights) + len(task.reading_names)
-    sees = gymnasium.spaces.Box(-BOUND, BOUND, (n_numbers,), np.float64)
-    return sees, gymnasium.spaces.Box(-1.0, 1.0, (len(task.actions),), np.float64)
+    n_observed = len(task.sights) + len(task.reading_names)
+    n_actions = len(task.actions)
+    return Spaces(
+        observations=gymnasium.spaces.Box(-BOUND, BOUND, (n_observed,), np.float64),
+        actions=gymnasium.spaces.Box(-1.0, 1.0, (n_actions,), np.float64),
+    )
 
 
-def checked(actions: object, shape: tuple[int, ...]) -> np.ndarray:
+def check_actions(actions: object, shape: tuple[int, ...]) -> np.ndarray:
     """Return actions as an array.
 
     Args:
@@ -95,9 +105,11 @@ def checked(actions: object, shape: tuple[int, ...]) -> np.ndarray:
         numbers = np.asarray(actions, dtype=float)
     except (TypeError, ValueError):
         numbers = np.array(np.nan)
-    if numbers.shape != shape or not np.isfinite(numbers).all():
-        wrong = "one that is not finite" if numbers.shape == shape else f"shape {np.shape(numbers)}"
-        raise BadArgument("action", f"must be finite numbers of shape {shape}, got {wrong}")
+    rule = f"must be finite numbers of shape {shape}"
+    if numbers.shape != shape:
+        raise BadArgument("action", f"{rule}, got shape {numbers.shape}")
+    if not np.isfinite(numbers).all():
+        raise BadArgument("action", f"{rule}, got one that is not finite")
     return numbers
 
 
@@ -117,11 +129,9 @@ class _Tasked:
     ) -> None:
         if render_mode is not None:
             check_choice("render_mode", render_mode, self.metadata["render_modes"])
-        self.task, self.episodes, self.render_mode = (
-            task,
-            Episodes(task, n, threads=threads),
-            render_mode,
-        )
+        self.task = task
+        self.episodes = Episodes(task, n, threads=threads)
+        self.render_mode = render_mode
         self.metadata = {**self.metadata, "render_fps": 1.0 / task.interval}
 
     def _picture(self, lane: int) -> np.ndarray | None:
@@ -162,7 +172,9 @@ class SwimmingEnv(_Tasked, gymnasium.Env):
         **settings: Any,
     ) -> None:
         self._set_up(task_of(task, settings), 1, render_mode)
-        self.observation_space, self.action_space = spaces(self.task)
+        spaces = make_spaces(self.task)
+        self.observation_space = spaces.observations
+        self.action_space = spaces.actions
         self._has_begun = False
 
     def reset(
@@ -201,14 +213,14 @@ class SwimmingEnv(_Tasked, gymnasium.Env):
         """
         if not self._has_begun:
             raise ResetNeeded(NOT_BEGUN)
-        done = self.episodes.step(checked(action, self.action_space.shape or ())[np.newaxis])
-        info = self._info(done.power.item())
+        actions = check_actions(action, self.action_space.shape or ())[np.newaxis]
+        outcome = self.episodes.step(actions)
         return (
-            done.observation[0],
-            done.reward.item(),
-            done.terminated.item(),
-            done.truncated.item(),
-            info,
+            outcome.observation[0],
+            outcome.reward.item(),
+            outcome.terminated.item(),
+            outcome.truncated.item(),
+            self._info(outcome.power.item()),
         )
 
     def render(self) -> np.ndarray | None:
@@ -260,14 +272,13 @@ class SwimmingVectorEnv(_Tasked, VectorEnv):
         render_mode: str | None = None,
         **settings: Any,
     ) -> None:
-        mode = autoreset_mode.value if isinstance(autoreset_mode, AutoresetMode) else autoreset_mode
-        self.autoreset_mode = AutoresetMode(
-            check_choice("autoreset_mode", mode, [each.value for each in AutoresetMode])
-        )
+        self.autoreset_mode = _check_mode(autoreset_mode)
         self.num_envs = check_whole_number("num_envs", num_envs, 1)
         self._set_up(task_of(task, settings), self.num_envs, render_mode, threads)
         self.metadata["autoreset_mode"] = self.autoreset_mode
-        self.single_observation_space, self.single_action_space = spaces(self.task)
+        spaces = make_spaces(self.task)
+        self.single_observation_space = spaces.observations
+        self.single_action_space = spaces.actions
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
         self._generators: list[np.random.Generator] = []
@@ -295,16 +306,16 @@ class SwimmingVectorEnv(_Tasked, VectorEnv):
         Raises:
             ValueError: If an argument is invalid.
         """
-        given = dict(options or {})
-        which = self._mask(given.pop("reset_mask", np.full(self.num_envs, True)))
+        fixed = dict(options or {})
+        which = self._check_mask(fixed.pop("reset_mask", np.full(self.num_envs, True)))
         if not self._generators:
             if not which.all():
                 raise ResetNeeded(NOT_BEGUN)
             self._generators = [np_random(None)[0] for _ in range(self.num_envs)]
-        for lane, one in enumerate(self._seeds(seed)):
-            if one is not None and which[lane]:
-                self._generators[lane] = np_random(one)[0]
-        self._begin(which, given)
+        for lane, seed_of_lane in enumerate(self._seeds(seed)):
+            if seed_of_lane is not None and which[lane]:
+                self._generators[lane] = np_random(seed_of_lane)[0]
+        self._begin(which, fixed)
         return self._observation.copy(), self._infos(np.zeros(self.num_envs))
 
     def step(
@@ -324,44 +335,47 @@ class SwimmingVectorEnv(_Tasked, VectorEnv):
         """
         if not self._generators:
             raise ResetNeeded(NOT_BEGUN)
-        waiting = self._is_over
-        if self.autoreset_mode is AutoresetMode.DISABLED and waiting.any():
-            lanes = np.flatnonzero(waiting).tolist()
+        was_over = self._is_over
+        if self.autoreset_mode is AutoresetMode.DISABLED and was_over.any():
+            lanes = np.flatnonzero(was_over).tolist()
             raise BadArgument(
                 "reset", f"must be called with a `reset_mask` for the lanes that are over, {lanes}"
             )
-        done = self.episodes.step(checked(actions, self.action_space.shape or ()))
-        self._observation, infos = done.observation, {}
-        reward, terminated, truncated = done.reward, done.terminated, done.truncated
+        outcome = self.episodes.step(check_actions(actions, self.action_space.shape or ()))
+        self._observation = outcome.observation
+        reward = outcome.reward
+        terminated = outcome.terminated
+        truncated = outcome.truncated
+        finals: dict[str, Any] = {}
         if self.autoreset_mode is AutoresetMode.SAME_STEP:
             self._is_over = terminated | truncated
             if self._is_over.any():
-                infos = self._finals(done.power)
+                finals = self._finals(outcome.power)
                 self._begin(self._is_over, {})
         else:
             # In lanes whose episode was already over, the step does not count: it is their reset.
-            reward, terminated, truncated = (
-                np.where(waiting, 0, each) for each in (reward, terminated, truncated)
-            )
-            terminated, truncated = terminated.astype(bool), truncated.astype(bool)
-            self._begin(waiting, {})
+            reward = np.where(was_over, 0, reward)
+            terminated = terminated & ~was_over
+            truncated = truncated & ~was_over
+            self._begin(was_over, {})
             self._is_over = terminated | truncated
-        power = np.where(waiting, 0.0, done.power)
-        return self._observation.copy(), reward, terminated, truncated, self._infos(power) | infos
+        power = np.where(was_over, 0.0, outcome.power)
+        infos = self._infos(power) | finals
+        return self._observation.copy(), reward, terminated, truncated, infos
 
     def render(self) -> tuple[np.ndarray | None, ...]:
         """Return a picture of every robot, as for `SwimmingEnv`."""
         return tuple(self._picture(lane) for lane in range(self.num_envs))
 
-    def _begin(self, which: np.ndarray, given: Mapping[str, Any]) -> None:
-        if which.any() or given:
-            self.episodes.begin(which, self._generators, given)
-            whole_school = which.all()
-            seen = self.episodes.seen
-            self._observation = (
-                seen if whole_school else np.where(which[:, np.newaxis], seen, self._observation)
-            )
-            self._is_over = self._is_over & ~which
+    def _begin(self, which: np.ndarray, fixed: Mapping[str, Any]) -> None:
+        if not which.any() and not fixed:
+            return
+        self.episodes.begin(which, self._generators, fixed)
+        observation = self.episodes.seen
+        if not which.all():
+            observation = np.where(which[:, np.newaxis], observation, self._observation)
+        self._observation = observation
+        self._is_over = self._is_over & ~which
 
     def _finals(self, power: np.ndarray) -> dict[str, Any]:
         """Return what Gymnasium expects about episodes whose end is not in the observations."""
@@ -377,28 +391,22 @@ class SwimmingVectorEnv(_Tasked, VectorEnv):
         }
 
     def _infos(self, power: np.ndarray, which: np.ndarray | None = None) -> dict[str, Any]:
+        if which is None:
+            which = np.full(self.num_envs, True)
         motion = self.episodes.motion
+        columns = {"x": motion.x, "y": motion.y, "heading": motion.heading, "power": power}
         infos: dict[str, Any] = {}
-        for name, values in (
-            ("x", motion.x),
-            ("y", motion.y),
-            ("heading", motion.heading),
-            ("power", power),
-        ):
+        for name, values in columns.items():
             infos[name] = values.copy()
-            infos[f"_{name}"] = np.full(self.num_envs, True) if which is None else which.copy()
+            infos[f"_{name}"] = which.copy()
         return infos
 
-    def _mask(self, given: object) -> np.ndarray:
-        if (
-            not isinstance(given, np.ndarray)
-            or given.dtype != bool
-            or given.shape != (self.num_envs,)
-        ):
-            raise BadArgument(
-                "reset_mask", f"must be an array of {self.num_envs} booleans, got {given!r}"
-            )
-        return given
+    def _check_mask(self, mask: object) -> np.ndarray:
+        is_array = isinstance(mask, np.ndarray)
+        if is_array and mask.dtype == bool and mask.shape == (self.num_envs,):
+            return mask
+        rule = f"must be an array of {self.num_envs} booleans"
+        raise BadArgument("reset_mask", f"{rule}, got {mask!r}")
 
     def _seeds(self, seed: int | Sequence[int | None] | None) -> Sequence[int | None]:
         if seed is None:
@@ -410,3 +418,10 @@ class SwimmingVectorEnv(_Tasked, VectorEnv):
                 "seed", f"must be one number, or one per lane ({self.num_envs}), got {len(seed)}"
             )
         return seed
+
+
+def _check_mode(mode: AutoresetMode | str) -> AutoresetMode:
+    if isinstance(mode, AutoresetMode):
+        return mode
+    names = [known_mode.value for known_mode in AutoresetMode]
+    return AutoresetMode(check_choice("autoreset_mode", mode, names))

@@ -126,23 +126,35 @@ class Episodes:
         draws = self.task.draws
         share = np.array([generators[lane].random(len(draws)) for lane in lanes.tolist()])
         for i, draw in enumerate(draws):
-            self._drawn[draw.name][lanes] = (
-                fixed[draw.name][lanes] if draw.name in fixed else draw.at(share[:, i])
-            )
-        zero = np.zeros(self.n)
-        names = "x", "y", "heading", "current_speed", "current_direction"
-        x, y, heading, speed, direction = (self._drawn.get(name, zero)[lanes] for name in names)
+            if draw.name in fixed:
+                values = fixed[draw.name][lanes]
+            else:
+                values = draw.at(share[:, i])
+            self._drawn[draw.name][lanes] = values
+        start = np.stack((self._drawn_in(lanes, "x"), self._drawn_in(lanes, "y")), axis=1)
         self.school.place(
             lanes,
-            center_of_mass=self.task.origins(self.n)[lanes] + np.stack((x, y), axis=1),
-            heading=heading,
-            current=np.stack((speed * np.cos(direction), speed * np.sin(direction)), axis=1)
-            if self.task.flow is None
-            else [self._flow(lane) for lane in lanes.tolist()],
+            center_of_mass=self.task.origins(self.n)[lanes] + start,
+            heading=self._drawn_in(lanes, "heading"),
+            current=self._currents(lanes),
         )
         self._n_steps[lanes] = 0
         for lane in lanes.tolist():
             self._senses.begin(lane, self._water(lane), generators[lane])
+
+    def _drawn_in(self, lanes: np.ndarray, name: str) -> np.ndarray:
+        """Return what the episodes of some lanes have drawn; 0 for what they do not draw."""
+        if name not in self._drawn:
+            return np.zeros(lanes.size)
+        return self._drawn[name][lanes]
+
+    def _currents(self, lanes: np.ndarray) -> np.ndarray | list[robot.Current]:
+        """Return the currents in some lanes: velocities in rows, or flows [m/s]."""
+        if self.task.flow is not None:
+            return [self._flow(lane) for lane in lanes.tolist()]
+        speed = self._drawn_in(lanes, "current_speed")
+        direction = self._drawn_in(lanes, "current_direction")
+        return np.stack((speed * np.cos(direction), speed * np.sin(direction)), axis=1)
 
     def _water(self, lane: int) -> robot.Environment:
         """Return the water in a lane, with the current of its episode."""
@@ -173,8 +185,8 @@ class Episodes:
         Args:
             actions: Actions from -1 to 1; values outside are clipped [-].
         """
-        asked = self.middle + self.half * np.clip(actions, -1.0, 1.0)
-        self.school.tell({name: asked[:, i] for i, name in enumerate(self._names_of_actions)})
+        commands = self.middle + self.half * np.clip(actions, -1.0, 1.0)
+        self.school.tell(dict(zip(self._names_of_actions, commands.T, strict=True)))
         before = self.motion
         self.school.march()
         self._n_steps += 1
@@ -208,9 +220,10 @@ class Episodes:
         for name, value in given.items():
             check_choice("options", name, tuple(self._drawn))
             if np.shape(value) == (self.n,):
-                fixed[name] = np.array(
-                    [check_finite(f"{name}[{i}]", one) for i, one in enumerate(value)]
-                )
+                numbers = [
+                    check_finite(f"{name}[{lane}]", number) for lane, number in enumerate(value)
+                ]
+                fixed[name] = np.array(numbers)
             else:
                 fixed[name] = np.full(self.n, check_finite(name, value))
         return fixed
@@ -235,17 +248,21 @@ class Pilots:
                 "controller.interval",
                 f"must be the task's, {interval} s, got {controller.interval}",
             )
-        self._controller, self._episodes = controller, episodes
+        self._controller = controller
+        self._episodes = episodes
         self._states = [controller.init() for _ in range(episodes.n)]
 
     def actions(self) -> np.ndarray:
         """Return their next actions, one row per lane; in an episode that has just begun, the pilot's state is new."""
-        episodes, time = self._episodes, self._episodes.motion.time
-        asked = np.zeros((episodes.n, len(episodes.task.actions)))
+        episodes = self._episodes
+        names = [action.name for action in episodes.task.actions]
+        has_just_begun = episodes.motion.time == 0.0
+        commands = np.zeros((episodes.n, len(names)))
         for lane in range(episodes.n):
-            state = self._controller.init() if time[lane] == 0.0 else self._states[lane]
-            self._states[lane], command = self._controller.step(
-                state, episodes.school.observe(lane)
-            )
-            asked[lane] = [getattr(command.steered, each.name) for each in episodes.task.actions]
-        return (asked - episodes.middle) / episodes.half
+            state = self._states[lane]
+            if has_just_begun[lane]:
+                state = self._controller.init()
+            observation = episodes.school.observe(lane)
+            self._states[lane], command = self._controller.step(state, observation)
+            commands[lane] = [getattr(command.steered, name) for name in names]
+        return (commands - episodes.middle) / episodes.half

@@ -55,8 +55,10 @@ class Range:
         Args:
             share: Fraction of the way from low to high, from 0 to below 1 [-].
         """
-        found = self.low + share * (self.high - self.low + self.is_whole)
-        return np.floor(found) if self.is_whole else found
+        values = self.low + share * (self.high - self.low + self.is_whole)
+        if self.is_whole:
+            return np.floor(values)
+        return values
 
 
 def ranges(**ends: tuple[float, float]) -> tuple[Range, ...]:
@@ -115,6 +117,7 @@ def in_body_axes(motion: Motion, x: Numbers, y: Numbers) -> tuple[Numbers, Numbe
 FLOW = "water.current."
 """Prefix of the names of a flow's parameters, in sweeps and in the draws of episodes."""
 SEEDS = (0.0, 2.0**31 - 1.0)
+"""Range from which the seeds of flows are drawn."""
 GAIT = lc.Gait(
     amplitude=math.radians(30.0), frequency=math.radians(90.0), phase_shift=math.radians(40.0)
 )
@@ -172,9 +175,9 @@ class Swimming(ABC):
         check_instance("scenario.motion", self.scenario.motion, lc.Gait)
         check_within("interval", self.interval, 0.0, self.scenario.duration, "s")
         sensors = self.scenario.model.sensors
-        known = (*(sensor.name for sensor in sensors), *self.reading_names)
+        names_with_units = (*(sensor.name for sensor in sensors), *self.reading_names)
         for name, unit in self.reading_units.items():
-            check_choice("reading_units", name, known)
+            check_choice("reading_units", name, names_with_units)
             check_positive(f"reading_units.{name}", unit, "")
         for end in ("low", "high"):
             self.current({draw.name: getattr(draw, end) for draw in self.flow_draws})
@@ -183,20 +186,24 @@ class Swimming(ABC):
     def flow(self) -> Flow | None:
         """Flow of the water; None if its velocity is uniform and constant."""
         water = self.scenario.environment
-        return water.flow if isinstance(water, Water) else None
+        if not isinstance(water, Water):
+            return None
+        return water.flow
 
     @cached_property
     def flow_draws(self) -> tuple[Range, ...]:
         """Parameters of the flow that every episode draws."""
-        known = list_parameters(self.scenario)
-        ranges = {name: SEEDS for name in known if name.startswith(FLOW) and name.endswith("seed")}
-        ranges |= {
-            look_up(FLOW + name, known, "currents").name: ends
-            for name, ends in self.currents.items()
-        }
+        parameters = list_parameters(self.scenario)
+        ends_of_draws: dict[str, tuple[float, float]] = {}
+        for name in parameters:
+            if name.startswith(FLOW) and name.endswith("seed"):
+                ends_of_draws[name] = SEEDS
+        for name, ends in self.currents.items():
+            parameter = look_up(FLOW + name, parameters, "currents")
+            ends_of_draws[parameter.name] = ends
         return tuple(
-            Range(name=name, low=low, high=high, is_whole=known[name].is_whole)
-            for name, (low, high) in ranges.items()
+            Range(name=name, low=low, high=high, is_whole=parameters[name].is_whole)
+            for name, (low, high) in ends_of_draws.items()
         )
 
     def current(self, drawn: Mapping[str, float]) -> Current:

@@ -47,7 +47,8 @@ def check_ends(task: Swimming, *names: str) -> None:
         ValueError: If there is such a field.
     """
     for name in names:
-        (low, high), unit = getattr(task, name), quantities_of(type(task))[name].unit
+        low, high = getattr(task, name)
+        unit = quantities_of(type(task))[name].unit
         if low > high:
             raise BadArgument(
                 name, f"must be two numbers in {unit}, the lower one first, got {(low, high)}"
@@ -174,14 +175,13 @@ class Efficiency(Swimming):
         super().__post_init__()
         check_ends(self, "amplitudes", "phase_shifts", "frequencies", "speeds")
         chain = self.scenario.robot.planar()
-        for i, (joint, g) in enumerate(
-            zip(chain.joints, self.gait.joint_envelope(chain.n_links), strict=True)
-        ):
+        envelope = self.gait.joint_envelope(chain.n_links)
+        for i, (joint, share) in enumerate(zip(chain.joints, envelope, strict=True)):
             room = joint.limit - abs(self.gait.offset)
-            if abs(g) * self.amplitudes[1] > room:
+            if abs(share) * self.amplitudes[1] > room:
                 raise BadArgument(
                     "amplitudes[1]",
-                    f"must be <= {room / abs(g):.4g} rad, or joint {i} goes beyond its limit of "
+                    f"must be <= {room / abs(share):.4g} rad, or joint {i} goes beyond its limit of "
                     f"{joint.limit:.4g} rad; got {self.amplitudes[1]}",
                 )
 
@@ -221,7 +221,8 @@ class Efficiency(Swimming):
 def _speed(step: Step) -> Numbers:
     """Speed u in a step [m/s]."""
     heading = 0.5 * (step.before.heading + step.after.heading)
-    x, y = step.after.x - step.before.x, step.after.y - step.before.y
+    x = step.after.x - step.before.x
+    y = step.after.y - step.before.y
     return (np.cos(heading) * x + np.sin(heading) * y) / step.interval
 
 
@@ -255,8 +256,8 @@ class StationKeeping(Steered):
     @property
     def draws(self) -> tuple[Range, ...]:
         """Start and water of an episode."""
-        place = -self.max_distance, self.max_distance
-        return ranges(x=place, y=place, heading=(-math.pi, math.pi)) + super().draws
+        either_side = -self.max_distance, self.max_distance
+        return ranges(x=either_side, y=either_side, heading=(-math.pi, math.pi)) + super().draws
 
     @property
     def sights(self) -> tuple[Sight, ...]:

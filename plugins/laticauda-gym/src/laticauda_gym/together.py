@@ -13,7 +13,7 @@ from gymnasium.utils.seeding import np_random
 
 from laticauda.values import BadArgument, check_whole_number
 from laticauda_gym.abreast import OPEN, Abreast, OneScene
-from laticauda_gym.environments import NOT_BEGUN, checked, decoded, spaces
+from laticauda_gym.environments import NOT_BEGUN, check_actions, make_spaces, make_task
 from laticauda_gym.episodes import Episodes
 from laticauda_gym.packages import needed
 
@@ -46,15 +46,18 @@ class SwimmingParallelEnv(ParallelEnv):
             raise BadArgument(
                 "task", f"must be None if its fields are given, got {task} and {set(settings)}"
             )
-        scene = {} if "scenario" in settings else {"model": OPEN}
-        self.task = decoded(Abreast, scene | settings) if task is None else task
+        if task is None:
+            if "scenario" not in settings:
+                settings = {"model": OPEN} | settings
+            task = make_task(Abreast, settings)
+        self.task = task
         self.episodes = Episodes(self.task, n, school=OneScene)
         self.possible_agents = [f"robot_{i}" for i in range(n)]
         self.agents: list[str] = []
         self.render_mode = None
-        sees, acts = spaces(self.task)
-        self.observation_spaces = dict.fromkeys(self.possible_agents, sees)
-        self.action_spaces = dict.fromkeys(self.possible_agents, acts)
+        spaces = make_spaces(self.task)
+        self.observation_spaces = dict.fromkeys(self.possible_agents, spaces.observations)
+        self.action_spaces = dict.fromkeys(self.possible_agents, spaces.actions)
         self._generators: list[np.random.Generator] = []
 
     def observation_space(self, agent: str) -> Box:
@@ -84,17 +87,17 @@ class SwimmingParallelEnv(ParallelEnv):
         """
         if seed is not None or not self._generators:
             self._generators = np_random(seed)[0].spawn(self.episodes.n)
-        given = {
+        fixed = {
             draw.name: draw.at(self._generators[0].random(1)).item() for draw in self.task.shared
         }
         for name, option in (options or {}).items():
             if name in self.episodes.drawn:
-                given[name] = option
+                fixed[name] = option
             else:
                 warnings.warn(
                     f"`options` has {name!r}, which no episode draws; it is ignored", stacklevel=2
                 )
-        self.episodes.begin(np.full(self.episodes.n, True), self._generators, given)
+        self.episodes.begin(np.full(self.episodes.n, True), self._generators, fixed)
         self.agents = list(self.possible_agents)
         return self._by_agent(self.episodes.seen), self._infos(np.zeros(self.episodes.n))
 
@@ -113,24 +116,23 @@ class SwimmingParallelEnv(ParallelEnv):
         """
         if not self.agents:
             raise ResetNeeded(NOT_BEGUN)
-        if missing := [agent for agent in self.agents if agent not in actions]:
+        missing = [agent for agent in self.agents if agent not in actions]
+        if missing:
             raise BadArgument(
                 "actions", f"must have an action for each agent, got none for {missing}"
             )
-        of_one = self.action_spaces[self.agents[0]].shape
-        done = self.episodes.step(
-            np.stack([checked(actions[agent], of_one) for agent in self.agents])
-        )
-        told = (
-            done.observation,
-            done.reward.tolist(),
-            done.terminated.tolist(),
-            done.truncated.tolist(),
-        )
-        found = (*map(self._by_agent, told), self._infos(done.power))
-        if done.terminated.any() or done.truncated.any():
+        shape = self.action_spaces[self.agents[0]].shape
+        rows = [check_actions(actions[agent], shape) for agent in self.agents]
+        outcome = self.episodes.step(np.stack(rows))
+        if outcome.terminated.any() or outcome.truncated.any():
             self.agents = []
-        return found
+        return (
+            self._by_agent(outcome.observation),
+            self._by_agent(outcome.reward.tolist()),
+            self._by_agent(outcome.terminated.tolist()),
+            self._by_agent(outcome.truncated.tolist()),
+            self._infos(outcome.power),
+        )
 
     def render(self) -> None:
         """Draw nothing."""
@@ -144,13 +146,16 @@ class SwimmingParallelEnv(ParallelEnv):
 
     def _infos(self, power: np.ndarray) -> dict[str, dict[str, Any]]:
         motion = self.episodes.motion
-        rows = zip(
-            *(values.tolist() for values in (motion.x, motion.y, motion.heading, power)),
-            strict=True,
-        )
-        return self._by_agent(
-            [dict(zip(("x", "y", "heading", "power"), row, strict=True)) for row in rows]
-        )
+        infos: list[dict[str, Any]] = []
+        for i in range(self.episodes.n):
+            info = {
+                "x": motion.x[i].item(),
+                "y": motion.y[i].item(),
+                "heading": motion.heading[i].item(),
+                "power": power[i].item(),
+            }
+            infos.append(info)
+        return self._by_agent(infos)
 
 
 parallel_env = SwimmingParallelEnv
