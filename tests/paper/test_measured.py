@@ -3,6 +3,8 @@ import math
 
 import pytest
 
+from laticauda import HeadingController, LineOfSight, PathFollowing, StraightLine, swim
+from laticauda.control import PhaseOscillators
 from laticauda.motion.gaits import Custom, Gait, envelope_of, lateral_undulation
 from laticauda.paper import find_measured_trial, read_efficiency_trials, read_path_following_trials
 from laticauda.robot import load_ground, load_parameters, load_robot
@@ -127,3 +129,18 @@ def test_the_table_is_found_by_whoever_asks_what_was_measured():
     assert "table1" in MeasuredTrials.names()
     (table,) = (one for one in all_measured() if type(one).__module__ == "laticauda.paper.measured")
     assert len(table.trials()) == 22
+
+
+def test_a_steered_run_has_no_counterpart_as_all_were_measured_straight_ahead():
+    gait = gait_deg(30, 130, 40)
+    following = PathFollowing(
+        gait=gait,
+        path=StraightLine(),
+        guidance=LineOfSight(look_ahead_distance=1.6),
+        heading=HeadingController(gain=0.4, max_offset_deg=20),
+    )
+    severed = PhaseOscillators(gait=gait, cuts=tuple(range(7)))
+    for motion in (following, severed):
+        trial = swim("mamba", motion, 1.0, joints="servo")
+        assert trial.gait == gait
+        assert measured_counterpart(trial) is None

@@ -32,7 +32,7 @@ def first_screen(trial: Trial, basis: str = "", more: str = MORE) -> str:
         basis: What its coefficients rest on, in sentences; "" if that is not known.
         more: What else can be asked for, in a sentence.
     """
-    measured = _measured_beside(trial)
+    measured = measured_counterpart(trial)
     lines = [*describe_who(trial), ""]
     if not trial.succeeded:
         rows = [("FAILED", trial.status)]
@@ -52,16 +52,6 @@ def first_screen(trial: Trial, basis: str = "", more: str = MORE) -> str:
     notes = [note for note in (basis, _note_on_measurement(trial, measured), more) if note]
     wrapped_notes = [textwrap.fill(note, WIDTH) for note in notes]
     return "\n".join([*lines, wrap_rows(rows), "", *wrapped_notes])
-
-
-def _measured_beside(trial: Trial) -> MeasuredTrial | None:
-    """Return the measurement in the setting of a run; None: nothing like it was measured.
-
-    A gait that was measured straight ahead says nothing of a run along a path.
-    """
-    if "cross_track_error" in trial.signals:
-        return None
-    return measured_counterpart(trial)
 
 
 def describe_who(trial: Trial) -> list[str]:

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar, cast
+from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeGuard, TypeVar, cast
 
 import numpy as np
 from jaxtyping import Float
@@ -388,13 +388,17 @@ def decide(
     Raises:
         ValueError: If its `step` returns anything but a state and a command.
     """
-    decision: object = controller.step(state, observation)
-    if not isinstance(decision, tuple) or len(cast(tuple[object, ...], decision)) != 2:
+    decision = cast(object, controller.step(state, observation))
+    if not _is_pair(decision):
         rule = "must return two things, the next state and a Command, got"
         raise BadArgument("motion.step", f"{rule} {show_value(decision)}")
-    next_state, command = cast(tuple[Any, Command], decision)
+    next_state, command = decision
     check_instance("command", command, Command)
     return next_state, command
+
+
+def _is_pair(value: object) -> TypeGuard[tuple[Any, Any]]:
+    return isinstance(value, tuple) and len(cast(tuple[object, ...], value)) == 2
 
 
 @value_class

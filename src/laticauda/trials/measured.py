@@ -27,6 +27,7 @@ from typing import Any, Literal
 
 from laticauda.motion import gaits
 from laticauda.robot import Environment, Robot
+from laticauda.scenarios import Controller
 from laticauda.trials.trial import Trial
 from laticauda.values import (
     BadArgument,
@@ -113,11 +114,21 @@ def measured_counterpart(trial: Trial) -> MeasuredTrial | None:
     """Return the measurement in the setting of a run, or None.
 
     Args:
-        trial: A run; one that starts with a speed has no counterpart, as all were measured from rest.
+        trial: A run; one that is steered or starts with a speed has no counterpart, as all were
+            measured straight ahead and from rest.
     """
+    if _is_steered(trial):
+        return None
     if getattr(getattr(trial.scenario, "start", None), "velocity", 0.0) != 0.0:
         return None
     return measured_setting(trial.robot, trial.gait, trial.environment)
+
+
+def _is_steered(trial: Trial) -> bool:
+    """Return whether more than a gait moved the robot: a path, a mission, neurons."""
+    if "cross_track_error" in trial.signals:
+        return True
+    return isinstance(getattr(trial.scenario, "motion", None), Controller)
 
 
 # ---- tables of speeds ----------------------------------------------------------------------------
