@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from matplotlib.collections import LineCollection
-from matplotlib.patches import FancyArrowPatch
+from matplotlib.patches import FancyArrowPatch, Rectangle
 
 from laticauda.missions import (
     Conditions,
@@ -91,21 +91,34 @@ def test_a_film_lasts_about_twenty_seconds_unless_its_speed_is_given(result):
     assert len(film._moments) == 100 + 2 * 5
 
 
-def test_no_reason_in_a_diagram_hides_a_way_past_it():
-    panel = draw_phases(load_mission("net-inspection").motion).axes[0]
+@pytest.mark.parametrize(("name", "n_reasons"), [("net-inspection", 10), ("tank-inspection", 8)])
+def test_no_reason_in_a_diagram_hides_a_way_past_it(name, n_reasons):
+    panel = draw_phases(load_mission(name).motion).axes[0]
     panel.figure.canvas.draw()
     lines = []
     for arrow in panel.patches:
         if isinstance(arrow, FancyArrowPatch):
             lines += arrow.get_path().to_polygons(panel.transData, closed_only=False)
     reasons = [text for text in panel.texts if text.get_bbox_patch() is not None]
-    assert len(reasons) == 10
+    assert len(reasons) == n_reasons
     for reason in reasons:
         box = reason.get_window_extent()
         for line in lines:
             for (x, y), (next_x, next_y) in pairwise(line):
                 is_beside = min(y, next_y) < box.y1 and max(y, next_y) > box.y0
                 assert not (abs(x - next_x) < 0.5 and is_beside and box.x0 < x < box.x1)
+
+
+@pytest.mark.parametrize("name", ["net-inspection", "tank-inspection"])
+def test_no_reason_in_a_diagram_hides_a_phase(name):
+    panel = draw_phases(load_mission(name).motion).axes[0]
+    panel.figure.canvas.draw()
+    phases = [patch for patch in panel.patches if isinstance(patch, Rectangle)]
+    assert len(phases) == len(load_mission(name).motion.phases)
+    reasons = [text for text in panel.texts if text.get_bbox_patch() is not None]
+    for reason in reasons:
+        for phase in phases:
+            assert not reason.get_window_extent().overlaps(phase.get_window_extent())
 
 
 def test_a_diagram_names_every_reason_inside_its_picture():

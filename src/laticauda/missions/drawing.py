@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import FancyArrowPatch, Rectangle
 from matplotlib.path import Path
+from matplotlib.textpath import TextPath
 
 from laticauda.missions.mission import Mission, Way
 from laticauda.missions.running import MissionResult, mission_of
@@ -32,15 +33,16 @@ REASON_WIDTH = 14
 """Characters of a line of the reasons beside a way past other phases."""
 REASON_SIZE = 7
 """Size of reasons [pt]."""
-CHARACTER_WIDTH = 0.08
-"""Width of a character of a reason, rather too large."""
+LINE_HEIGHT = 0.18
+"""Height of a line of reasons, in rows."""
+POINTS_PER_INCH = 72.0
 BESIDE_STEP = 0.08
 """Distance of reasons from the arrow of a step."""
 ARC_ROOM = 0.7
 """Distance of the first way past other phases from the boxes."""
 ARC_STEP = 1.25
 """Distance of the ways past other phases from each other: their reasons are between."""
-STEP_REASON_WIDTH = 20
+STEP_REASON_WIDTH = 24
 """Characters of a line of the reasons beside a way to the next phase."""
 PHASE_COLORS = ("#0072B2", "#D55E00", "#009E73", "#E69F00", "#CC79A7", "#56B4E9", "#8A8A8A")
 """Colors of phases on a map, in the order of the table."""
@@ -74,24 +76,25 @@ def draw_phases(mission: Mission) -> Figure:
     right_of_steps = _right_end_of_steps(ways)
     left = -(_arc_at(HALF_BOX, n_arcs[-1]) + ROOM_LEFT)
     right = max(_arc_at(right_of_steps, n_arcs[1]) + ROOM_RIGHT, LEAST_RIGHT)
-    figure, (panel,) = new_panels(width=UNIT * (right - left), height=ROW * len(names))
+    heights = _heights_of_phases(ways, len(names))
+    n_rows = heights[-1] + 1.0
+    figure, (panel,) = new_panels(width=UNIT * (right - left), height=ROW * n_rows)
     ax: Any = panel
-    for row, name in enumerate(names):
-        behaviour = type(mission.phases[row].behaviour)
-        _draw_box(ax, row, name, name_of(behaviour))
+    for phase, height, name in zip(mission.phases, heights, names, strict=True):
+        _draw_box(ax, height, name, name_of(type(phase.behaviour)))
     n_drawn = {1: 0, -1: 0}
     for way in ways:
         if way.after == way.before + 1:
-            _draw_step(ax, way)
+            _draw_step(ax, way, heights)
             continue
         side = _side_of(way)
         n_drawn[side] += 1
         inside = HALF_BOX
         if side > 0:
             inside = right_of_steps
-        _draw_arc(ax, way, x=side * _arc_at(inside, n_drawn[side]))
+        _draw_arc(ax, way, heights, x=side * _arc_at(inside, n_drawn[side]))
     ax.set_xlim(left, right)
-    ax.set_ylim(len(names) - 0.5, -0.5)
+    ax.set_ylim(n_rows - 0.5, -0.5)
     ax.set_axis_off()
     return figure
 
@@ -107,14 +110,30 @@ def _merge_ways(ways: tuple[Way, ...]) -> list[Way]:
     return merged_ways
 
 
+def _heights_of_phases(ways: list[Way], n_phases: int) -> list[float]:
+    """Return how far down the phases are, in rows: farther apart where there are many reasons between two."""
+    gaps = [1.0] * (n_phases - 1)
+    for way in ways:
+        if way.after == way.before + 1:
+            n_lines = len(_wrap_reasons(way.reason, STEP_REASON_WIDTH))
+            gaps[way.before] = max(1.0, 2.0 * HALF_HEIGHT + LINE_HEIGHT * n_lines)
+    return [sum(gaps[:phase]) for phase in range(n_phases)]
+
+
 def _right_end_of_steps(ways: list[Way]) -> float:
     """Return from where ways past other phases cross neither a box nor the reasons of a step, less a distance."""
-    longest = 0
+    longest = 0.0
     for way in ways:
         if way.after == way.before + 1:
             lines = _wrap_reasons(way.reason, STEP_REASON_WIDTH)
-            longest = max(longest, *(len(line) for line in lines))
-    return max(HALF_BOX, BESIDE_STEP + CHARACTER_WIDTH * longest - ARC_ROOM)
+            longest = max(longest, *(_width_of(line) for line in lines))
+    return max(HALF_BOX, BESIDE_STEP + longest + BESIDE_STEP - ARC_ROOM)
+
+
+def _width_of(line: str) -> float:
+    """Return the width of a line of reasons, in units across a diagram."""
+    letters: Any = TextPath((0.0, 0.0), line, size=REASON_SIZE)
+    return letters.get_extents().width / POINTS_PER_INCH / UNIT
 
 
 def _arc_at(inside: float, number: int) -> float:
@@ -142,7 +161,7 @@ def _count_rows(way: Way) -> int:
     return abs(way.after - way.before)
 
 
-def _draw_box(ax: Any, row: int, name: str, behaviour: str) -> None:
+def _draw_box(ax: Any, row: float, name: str, behaviour: str) -> None:
     """Draw a phase with what the robot does in it."""
     box = Rectangle(
         (-HALF_BOX, row - HALF_HEIGHT),
@@ -166,27 +185,29 @@ def _draw_box(ax: Any, row: int, name: str, behaviour: str) -> None:
     )
 
 
-def _draw_step(ax: Any, way: Way) -> None:
+def _draw_step(ax: Any, way: Way, heights: list[float]) -> None:
     """Draw the way to the next phase, straight down."""
-    begin = 0.0, way.before + HALF_HEIGHT
-    end = 0.0, way.after - HALF_HEIGHT
+    before, after = heights[way.before], heights[way.after]
+    begin = 0.0, before + HALF_HEIGHT
+    end = 0.0, after - HALF_HEIGHT
     ax.add_patch(_arrow((begin, end)))
-    middle = 0.5 * (way.before + way.after)
+    middle = 0.5 * (before + after)
     lines = _wrap_reasons(way.reason, STEP_REASON_WIDTH)
     _write_reasons(ax, BESIDE_STEP, middle, "\n".join(lines), align="left")
 
 
-def _draw_arc(ax: Any, way: Way, *, x: float) -> None:
+def _draw_arc(ax: Any, way: Way, heights: list[float], *, x: float) -> None:
     """Draw a way past other phases: out to the side, along, and back in."""
     side = math.copysign(1.0, x)
-    down = math.copysign(1.0, way.after - way.before)
+    before, after = heights[way.before], heights[way.after]
+    down = math.copysign(1.0, after - before)
     lower = 0.1 * down
-    begin = side * HALF_BOX, way.before + lower
-    end = side * HALF_BOX, way.after - lower
+    begin = side * HALF_BOX, before + lower
+    end = side * HALF_BOX, after - lower
     ax.add_patch(_arrow((begin, (x, begin[1]), (x, end[1]), end)))
     align = "left" if side > 0.0 else "right"
     lines = _wrap_reasons(way.reason, REASON_WIDTH)
-    _write_reasons(ax, x + 0.06 * side, way.before + 0.5 * down, "\n".join(lines), align=align)
+    _write_reasons(ax, x + 0.06 * side, before + 0.5 * down, "\n".join(lines), align=align)
 
 
 def _write_reasons(ax: Any, x: float, y: float, reasons: str, *, align: str) -> None:

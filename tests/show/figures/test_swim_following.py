@@ -1,15 +1,16 @@
 import numpy as np
+import pytest
 
 import laticauda as lc
 from laticauda.show.figures import follow_sheet, save_figure
 
 
-def followed(duration=40.0, y=1.0, heading=0.0):
+def followed(duration=40.0, y=1.0, heading=0.0, path=None):
     controller = lc.PathFollowing(
         gait=lc.lateral_undulation(
             amplitude=np.deg2rad(30), frequency=np.deg2rad(90), phase_shift=np.deg2rad(40)
         ),
-        path=lc.StraightLine(),
+        path=path or lc.StraightLine(),
         guidance=lc.LineOfSight(look_ahead_distance=0.18),
         heading=lc.HeadingController(gain=0.4, max_offset=np.deg2rad(20)),
     )
@@ -66,3 +67,15 @@ def test_a_time_is_put_on_the_other_side_of_a_body_that_turns_into_the_way():
             & (way[:, 1] < box.y1)
         )
         assert not np.any(inside), text.get_text()
+
+
+@pytest.mark.parametrize("side", [-0.8, 0.0, 0.8])  # -0.8: a time is where the name usually is
+def test_the_name_of_the_last_waypoint_does_not_lie_on_a_time(side):
+    route = lc.Spline(waypoints=((0.0, 0.0), (0.5, 0.0), (1.0, side)))
+    figure = follow_sheet(followed(path=route))
+    figure.canvas.draw()
+    texts = figure.axes[0].texts
+    (name,) = [text for text in texts if text.get_text() == "end"]
+    for text in texts:
+        if text is not name:
+            assert not name.get_window_extent().overlaps(text.get_window_extent()), text

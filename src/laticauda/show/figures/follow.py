@@ -10,9 +10,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
+from matplotlib.text import Annotation
 
 from laticauda.show.figures import style
-from laticauda.show.figures.path import path_extent, path_strip
+from laticauda.show.figures.path import MARGIN, path_extent, path_strip
 from laticauda.show.figures.swim import LABELS_HEIGHT, span_time_axis, title_of
 from laticauda.trials import Trial, following
 
@@ -37,11 +38,24 @@ def plot_path_beside(trial: Trial, ax: Axes) -> Axes:
     if waypoints:
         look = style.marker_style("o", 4.0, style.ORANGE, markerfacecolor="white", zorder=0.6)
         ax.plot(*np.array(waypoints).T, **look)
-        _add_path_note(ax, "end", waypoints[-1], shift=(5, -9))
+        _add_end(ax, trial, waypoints[-1])
     else:
         x, y = following.nearest_points(trial)[0]
         _add_path_note(ax, "path", (float(x), float(y)), shift=(-4, -3), ha="right")
     return ax
+
+
+def _add_end(ax: Axes, trial: Trial, point: tuple[float, float]) -> None:
+    """Name the last waypoint: below it on the right, or on the other side if the time of a posture stands there."""
+    room = 2.0 * MARGIN * max(path_extent(trial))
+    times = np.array([note.xy for note in ax.texts if isinstance(note, Annotation)])
+    from_point = times - point
+    is_near = np.linalg.norm(from_point, axis=1) < room
+    is_below_on_the_right = from_point @ (1.0, -1.0) > 0.0
+    if np.any(is_near & is_below_on_the_right):
+        _add_path_note(ax, "end", point, shift=(-5, 4), ha="right")
+    else:
+        _add_path_note(ax, "end", point, shift=(5, -9))
 
 
 def _add_path_note(
