@@ -1,6 +1,7 @@
 """References and switches from outside: what a robot on a bus needs, and what both bodies do with them."""
 
 import math
+import tomllib
 from dataclasses import fields, replace
 
 import numpy as np
@@ -13,6 +14,7 @@ from laticauda.control.offset_steps import OffsetSteps
 from laticauda.models.simulate import build_plant
 from laticauda.motion.gaits import Generator
 from laticauda.robot import Joint, load_water
+from laticauda.scenarios import run_from_table, run_to_toml, unknown_in
 from laticauda.scenarios.interfaces import (
     Command,
     Controller,
@@ -242,3 +244,10 @@ def test_a_controller_without_a_first_state_says_which_method_it_lacks():
 
     with pytest.raises(NotImplementedError, match="controller Bare must have a method `init`"):
         lc.swim(build_scenario("mamba", Bare(), 1.0, joints="servo"))
+
+
+def test_a_scenario_keeps_a_controller_that_is_not_defined_here():
+    table = tomllib.loads(run_to_toml(build_scenario("mamba", OffsetSteps(gait=GAIT), 1.0)))
+    table["controller"]["kind"] = "somewhere:Elses"
+    scenario = run_from_table(table)
+    assert [unknown.kind for unknown in unknown_in(scenario)] == ["somewhere:Elses"]

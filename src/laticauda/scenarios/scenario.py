@@ -238,7 +238,7 @@ class Scenario:
     def __post_init__(self) -> None:
         """Check what the types do not express."""
         check_instance("motion", self.motion, Gait, Controller)
-        if isinstance(self.motion, Controller):
+        if isinstance(self.motion, Controller) and not isinstance(self.motion, Unknown):
             check_interval(self.motion)
         if isinstance(self.model, Spatial) and self.model.scene is not None:
             self.model.scene.check(self.environment)
