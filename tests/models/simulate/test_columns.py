@@ -85,6 +85,33 @@ def test_columns_have_the_bits_of_trials_that_are_objects(scenario, choices):
         np.testing.assert_array_equal(peaks[name][well], values[well], name)
 
 
+@pytest.mark.filterwarnings("ignore::laticauda.values.ImplausibleWarning")
+def test_scenarios_in_any_mixture_have_the_bits_of_runs_that_are_objects():
+    eel = lc.eel_like(amplitude=0.4, frequency=2.5, phase_shift=0.6)
+    fin = lc.build_scenario("mamba-fin", GAIT, 5.0)
+    turned = replace(
+        SHORT,
+        start=lc.Start(heading=1.0),
+        motion=replace(GAIT, phases=(0.3,) * 8),
+    )
+    scenarios = [
+        *scenarios_of(SHORT, random_columns(9, water__normal_drag=[1.0, 1.5])),
+        *scenarios_of(SHORT, random_columns(5)),
+        *scenarios_of(replace(SHORT, motion=eel), random_columns(5)),
+        *scenarios_of(fin, random_columns(5)),
+        *scenarios_of(turned, random_columns(5)),
+    ]
+    mixed = [scenarios[i] for i in np.random.default_rng(1).permutation(len(scenarios))]
+    swims = lc.swim_many(mixed, feasibility=True)
+    alone, peaks = one_by_one(mixed)
+    assert swims.status == alone.status
+    for name in ("heading", "mean_power", "steady_velocity", "forward_velocity"):
+        np.testing.assert_array_equal(getattr(swims, name), alone.figures[name])
+    np.testing.assert_array_equal(
+        swims.utilization, np.where(alone.succeeded, peaks["utilization"], np.nan)
+    )
+
+
 def test_a_flow_and_dry_friction_go_the_longer_way_to_the_same_bits():
     water = replace(lc.load_water("paper-lateral"), current=LinearShear(speed=0.1))
     robot = lc.load_robot("mamba")

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Unpack, cast
 import numpy as np
 from jaxtyping import Bool, Float
 
-from laticauda.models.simulate.batch_figures import Block, Run, joint_peaks
 from laticauda.models.simulate.batch_run import CPU, BatchResult
 from laticauda.models.simulate.batch_scenarios import runs_of, scenarios_of_batch
 from laticauda.models.simulate.loads_of_many import KeptLoads, TrialLoads
@@ -18,8 +17,7 @@ from laticauda.models.simulate.run_figures import UNITS, Figure, RunFigures, of_
 from laticauda.models.simulate.run_table import Columns, check_columns, scenarios_of_extremes
 from laticauda.models.simulate.runner import Progress, silent
 from laticauda.models.simulate.several import swim_each
-from laticauda.models.simulate.steered import run_mixed_batch
-from laticauda.models.simulate.table_run import run_columns
+from laticauda.models.simulate.table_run import TableResult, run_all, run_columns
 from laticauda.motion.gaits import Gait
 from laticauda.robot import Environment, Robot
 from laticauda.scenarios import ModelChanges, Planar, Scenario, Spatial, Start, check_many
@@ -209,19 +207,20 @@ def swim_many(
     runs = runs_of(scenarios, steered=True)
     check_many(scenarios)
     first = scenarios[0]
-    results_of_blocks = _KeptOfBlocks(len(runs), requested)
-    result = run_mixed_batch(
+    kept_loads = None
+    if requested.load_figures:
+        kept_loads = KeptLoads(len(runs), with_series=requested.link_forces)
+    result = run_all(
         runs,
         first.duration,
         first.sample_interval,
         threads=threads,
         progress=progress,
         device=device,
-        observe=results_of_blocks.add if requested.needs_log else silent,
-        with_joints=requested.needs_log,
-        with_loads=requested.load_figures,
+        with_peaks=requested.feasibility,
+        kept_loads=kept_loads,
     )
-    return _swims_of(result, results_of_blocks.of_request(result.succeeded))
+    return _swims_of(result.batch, _fields_of_request(result, requested))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -236,38 +235,6 @@ class _Requested:
     def needs_log(self) -> bool:
         """Whether the log of the joints is needed."""
         return self.feasibility or self.load_figures
-
-
-class _KeptOfBlocks:
-    """What is kept of the blocks of a batch for what was asked for.
-
-    Args:
-        n_runs: Number of runs.
-        requested: What was asked for.
-    """
-
-    def __init__(self, n_runs: int, requested: _Requested) -> None:
-        self._requested = requested
-        self._utilization = np.full(n_runs, np.nan)
-        self._loads = KeptLoads(n_runs, with_series=requested.link_forces)
-
-    def add(self, block_runs: Sequence[Run], block: Block) -> None:
-        """Keep what is needed of a block."""
-        if self._requested.feasibility:
-            self._utilization[block.index] = joint_peaks(block_runs, block)["utilization"]
-        if self._requested.load_figures:
-            self._loads.add(block_runs, block)
-
-    def of_request(self, succeeded: Bool[np.ndarray, " n_runs"]) -> dict[str, Any]:
-        """Return the fields of `Swims` that were asked for."""
-        fields: dict[str, Any] = {}
-        if self._requested.feasibility:
-            fields["utilization"] = np.where(succeeded, self._utilization, np.nan)
-        if self._requested.load_figures:
-            fields |= self._loads.figures
-        if self._requested.link_forces:
-            fields["loads"] = tuple(self._loads.series)
-        return fields
 
 
 def _swim_columns(
@@ -302,16 +269,21 @@ def _swim_columns(
             with_loads=requested.load_figures,
             with_load_series=requested.link_forces,
         )
-        of_request: dict[str, Any] = {}
-        if requested.feasibility:
-            utilization = result.peaks["utilization"]
-            of_request["utilization"] = np.where(result.batch.succeeded, utilization, np.nan)
-        if result.loads is not None:
-            of_request |= result.loads.figures
-            if requested.link_forces:
-                of_request["loads"] = tuple(result.loads.series)
-        parts.append(_swims_of(result.batch, of_request))
+        parts.append(_swims_of(result.batch, _fields_of_request(result, requested)))
     return _join_swims(parts)
+
+
+def _fields_of_request(result: TableResult, requested: _Requested) -> dict[str, Any]:
+    """Return the fields of `Swims` that were asked for besides the figures that cost nothing."""
+    fields: dict[str, Any] = {}
+    if requested.feasibility:
+        utilization = result.peaks["utilization"]
+        fields["utilization"] = np.where(result.batch.succeeded, utilization, np.nan)
+    if result.loads is not None:
+        fields |= result.loads.figures
+        if requested.link_forces:
+            fields["loads"] = tuple(result.loads.series)
+    return fields
 
 
 def _join_swims(parts: Sequence[Swims]) -> Swims:

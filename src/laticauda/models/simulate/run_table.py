@@ -4,8 +4,10 @@ What differs besides the waves of the gait needs a plant of its own; runs that s
 *base*, the run of which they are copies with other waves.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from functools import cache
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -23,7 +25,7 @@ from laticauda.models.simulate.numbers import (
     look_up,
 )
 from laticauda.motion.gaits import Gait
-from laticauda.scenarios import Scenario
+from laticauda.scenarios import Command, Scenario
 from laticauda.values import BadArgument, check_instance, check_not_empty
 
 Columns = Mapping[str, Any]
@@ -113,6 +115,49 @@ def make_run_table(scenario: Scenario, columns: Columns) -> RunTable:
         base_scenarios = scenarios_at(scenario, tuple(others), points)
     make_extreme_gaits(base_scenarios[0].gait, waves)
     return RunTable(bases=runs_of(base_scenarios), base_of=base_of.ravel(), waves=waves)
+
+
+def table_of_runs(runs: Sequence[Run]) -> RunTable:
+    """Return runs that gaits move as a table.
+
+    Runs share a base if they hold the same objects in all but the numbers of their waves; equal
+    objects are not looked for.
+
+    Args:
+        runs: Runs without controllers, references and slopes.
+    """
+    bases: list[Run] = []
+    base_of_key: dict[tuple[int, ...], int] = {}
+    base_of = np.empty(len(runs), dtype=int)
+    waves: list[tuple[float, ...]] = []
+    wave_of = attrgetter(*GAIT_PARAMETERS)
+    for i, run in enumerate(runs):
+        gait = run.command.gait
+        shared_parts = (
+            run.plant,
+            run.start,
+            *_fields_besides_gait(run.command),
+            type(gait),
+            *_getter_besides_wave(type(gait))(gait),
+        )
+        key = tuple(map(id, shared_parts))
+        if key not in base_of_key:
+            base_of_key[key] = len(bases)
+            bases.append(run)
+        base_of[i] = base_of_key[key]
+        waves.append(wave_of(gait))
+    return RunTable(bases=bases, base_of=base_of, waves=np.array(waves).T)
+
+
+_fields_besides_gait: Callable[[Command], tuple[object, ...]] = attrgetter(
+    *(field.name for field in fields(Command) if field.name != "gait")
+)
+
+
+@cache
+def _getter_besides_wave(kind: type[Gait]) -> Callable[[Gait], tuple[object, ...]]:
+    """Return the function that gets the fields of a gait of a class that are no numbers of its wave."""
+    return attrgetter(*(field.name for field in fields(kind) if field.name not in GAIT_PARAMETERS))
 
 
 def make_extreme_gaits(gait: Gait, waves: Float[np.ndarray, "4 n_runs"]) -> list[Gait]:

@@ -32,10 +32,16 @@ from laticauda.models.planar import (
 )
 from laticauda.models.simulate import batch_figures
 from laticauda.models.simulate.batch_figures import joint_peaks, periods_of
-from laticauda.models.simulate.batch_run import BatchResult
+from laticauda.models.simulate.batch_run import CPU, BatchResult
 from laticauda.models.simulate.batch_scenarios import runs_of
 from laticauda.models.simulate.loads_of_many import KeptLoads
-from laticauda.models.simulate.run_table import Columns, RunTable, make_run_table, scenarios_at
+from laticauda.models.simulate.run_table import (
+    Columns,
+    RunTable,
+    make_run_table,
+    scenarios_at,
+    table_of_runs,
+)
 from laticauda.models.simulate.runner import Progress, silent
 from laticauda.models.simulate.steered import run_mixed_batch
 from laticauda.motion.gaits import Gait
@@ -51,6 +57,7 @@ from laticauda.trials.feasibility import (
     measure_crossing,
     spread_evenly,
 )
+from laticauda.values import check_whole_number
 
 MOST_BLOCKS_PER_TASK = 64
 """Blocks that one thread takes at a time: so many that what is prepared for a task hardly counts."""
@@ -150,12 +157,12 @@ def run_table(
         with_peaks: Whether to compute the figures of `laticauda.trials.feasibility`.
     """
     check_size(duration, sample_interval)
-    n_intervals = max(1, round(duration / sample_interval))
-    needs_log = any(map(_has_flow, table.bases))
-    needs_log |= with_peaks and any(map(_has_dry_friction, table.bases))
-    if n_intervals > SAMPLES_PER_CALL or needs_log:
-        return _run_one_by_one(
-            table,
+    if threads is not None:
+        check_whole_number("threads", threads, 1)
+    n_intervals = _count_intervals(duration, sample_interval)
+    if not _can_be_harvested(table.bases, n_intervals, with_peaks=with_peaks):
+        return run_with_peaks(
+            _list_runs(table),
             duration,
             sample_interval,
             threads=threads,
@@ -170,6 +177,18 @@ def run_table(
     return harvest.results()
 
 
+def _count_intervals(duration: float, sample_interval: float) -> int:
+    """Return the number of samples of a run after the first."""
+    return max(1, round(duration / sample_interval))
+
+
+def _can_be_harvested(bases: Sequence[Run], n_intervals: int, *, with_peaks: bool) -> bool:
+    """Return whether compiled code can evaluate the logs of runs, one call of the kernels each."""
+    needs_log = any(map(_has_flow, bases))
+    needs_log |= with_peaks and any(map(_has_dry_friction, bases))
+    return n_intervals <= SAMPLES_PER_CALL and not needs_log
+
+
 def _has_flow(run: Run) -> bool:
     """Return whether the water of a run moves otherwise than uniformly."""
     water = run.plant.environment
@@ -181,29 +200,50 @@ def _has_dry_friction(run: Run) -> bool:
     return any(joint.actuator.friction_torque > 0.0 for joint in run.plant.robot.driven_joints)
 
 
-def _run_one_by_one(
-    table: RunTable,
+def _list_runs(table: RunTable) -> list[Run]:
+    """Return an object for every run."""
+    return [table.run(i) for i in range(len(table))]
+
+
+def run_all(
+    runs: Sequence[Run],
     duration: float,
     sample_interval: float,
     *,
     threads: int | None,
-    progress: Progress,
+    progress: Progress = silent,
+    device: str = CPU,
     with_peaks: bool,
+    kept_loads: KeptLoads | None = None,
 ) -> TableResult:
-    """Run a table as a batch, with an object for every run."""
+    """Run a batch, as a table if gaits alone move its robots; arguments as for `run_with_peaks`."""
+    if device == CPU and kept_loads is None and all(map(_is_moved_by_gait, runs)):
+        table = table_of_runs(runs)
+        n_intervals = _count_intervals(duration, sample_interval)
+        if _can_be_harvested(table.bases, n_intervals, with_peaks=with_peaks):
+            return run_table(
+                table,
+                duration,
+                sample_interval,
+                threads=threads,
+                progress=progress,
+                with_peaks=with_peaks,
+            )
     return run_with_peaks(
-        _list_runs(table),
+        runs,
         duration,
         sample_interval,
         threads=threads,
         progress=progress,
+        device=device,
         with_peaks=with_peaks,
+        kept_loads=kept_loads,
     )
 
 
-def _list_runs(table: RunTable) -> list[Run]:
-    """Return an object for every run."""
-    return [table.run(i) for i in range(len(table))]
+def _is_moved_by_gait(run: Run) -> bool:
+    """Return whether a run's gait moves its robot, rather than a controller or references."""
+    return run.controller is None and run.command.references is None
 
 
 def run_with_peaks(
@@ -213,10 +253,11 @@ def run_with_peaks(
     *,
     threads: int | None,
     progress: Progress,
+    device: str = CPU,
     with_peaks: bool,
     kept_loads: KeptLoads | None = None,
 ) -> TableResult:
-    """Run a batch, and return its figures and the peaks of its joints; arguments as for `run_table`.
+    """Run a batch, and return its figures and the peaks of its joints.
 
     Args:
         runs: The runs.
@@ -224,6 +265,7 @@ def run_with_peaks(
         sample_interval: Sample interval of the logs [s].
         threads: Number of threads.
         progress: Called repeatedly with the completed share, from 0 to 1.
+        device: cpu, or a device provided by an installed package, without peaks and loads.
         with_peaks: Whether to compute the peaks.
         kept_loads: Receives the loads; None: they are not computed.
     """
@@ -243,6 +285,7 @@ def run_with_peaks(
         sample_interval,
         threads=threads,
         progress=progress,
+        device=device,
         observe=keep if with_peaks or has_loads else silent,
         with_joints=with_peaks,
         with_loads=has_loads,
