@@ -1,8 +1,11 @@
 """What a mission must have before it runs: kinds that are defined, and the sensors that its table relies on."""
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Sequence
 from dataclasses import is_dataclass
 from typing import Any, cast
+
+import numpy as np
 
 from laticauda.missions.behaviours import FollowWall, Search
 from laticauda.missions.mission import Mission
@@ -15,8 +18,17 @@ from laticauda.missions.phases import (
     SensorSilent,
     Touched,
 )
+from laticauda.robot import Robot
 from laticauda.scenarios import Scenario
+from laticauda.sensing import AcousticPosition, Sensor, Sonar
 from laticauda.values import BadArgument, Extensible, Unknown, suggest_nearest
+
+DOUBTFUL_LENGTH = 0.1
+"""Share by which the length of a robot differs from the believed one, and it is doubtful whether that is meant."""
+DOUBTFUL_DISTANCE = 0.01
+"""Distance of a beacon from where it is believed to be, beyond which the same holds [m]."""
+EQUAL_ANGLES = 1e-6
+"""Difference of directions that count as equal [rad]."""
 
 
 def check_mission(scenario: Scenario) -> None:
@@ -41,6 +53,71 @@ def check_mission(scenario: Scenario) -> None:
             hint = suggest_nearest(sensor, names)
             rule = f"needs the sensor `{sensor}`, which is not among those of `model.sensors`"
             raise BadArgument(path, f"{rule}: {listed}{hint}")
+    _check_beams(scenario.model.sensors, mission.navigation)
+    _check_depths(scenario.robot, mission)
+
+
+def doubts_about(scenario: Scenario) -> Iterator[str]:
+    """Yield what a mission believes of its robot and its beacon that is not so, each in a sentence.
+
+    Args:
+        scenario: The scenario, whose controller is a mission.
+    """
+    mission = scenario.motion
+    assert isinstance(mission, Mission)
+    navigation = mission.navigation
+    length = scenario.robot.length
+    if not math.isclose(navigation.body_length, length, rel_tol=DOUBTFUL_LENGTH):
+        yield (
+            f"`controller.navigation.body_length` is {navigation.body_length:.4g} m, but "
+            f"`{scenario.robot.name}` is {length:.4g} m long: it believes to be elsewhere by half the difference."
+        )
+    for sensor in scenario.model.sensors:
+        if not isinstance(sensor, AcousticPosition) or sensor.name != navigation.position:
+            continue
+        if not np.allclose(navigation.beacon, sensor.beacon[:2], atol=DOUBTFUL_DISTANCE):
+            believed = describe_point(navigation.beacon)
+            there = describe_point(sensor.beacon[:2])
+            yield (
+                f"`controller.navigation.beacon` is {believed} m, but the beacon of the sensor `{sensor.name}` "
+                f"is at {there} m: it believes to be elsewhere by the difference."
+            )
+
+
+def describe_point(point: Sequence[float]) -> str:
+    """Return a point as people write it: (1.5, 0).
+
+    Args:
+        point: Its coordinates.
+    """
+    return f"({', '.join(f'{coordinate:.4g}' for coordinate in point)})"
+
+
+def _check_beams(sensors: Sequence[Sensor], navigation: Navigation) -> None:
+    """Reject directions of beams that are not those of the sonar: all echoes would be elsewhere."""
+    for sensor in sensors:
+        if not isinstance(sensor, Sonar) or sensor.name != navigation.sonar:
+            continue
+        path = "controller.navigation.beams_deg"
+        rule = f"must be those of the sensor `{sensor.name}` in the same order"
+        if len(navigation.beams) != len(sensor.beams):
+            numbers = f"{len(sensor.beams)} of them, got {len(navigation.beams)}"
+            raise BadArgument(path, f"{rule}, {numbers}")
+        for believed, beam in zip(navigation.beams, sensor.beams, strict=True):
+            if abs(believed - beam) > EQUAL_ANGLES:
+                differs = f"got {math.degrees(believed):g} where it has {math.degrees(beam):g}"
+                raise BadArgument(path, f"{rule}, {differs}")
+
+
+def _check_depths(robot: Robot, mission: Mission) -> None:
+    """Reject the depth of a phase if the robot has no joints that could hold it."""
+    if any(joint.axis == "pitch" for joint in robot.joints):
+        return
+    for index, phase in enumerate(mission.phases):
+        if phase.depth is not None:
+            rule = "must be left out for a robot without pitch joints"
+            got = f"got {phase.depth:g} m for `{robot.name}`"
+            raise BadArgument(f"controller.phases[{index}].depth", f"{rule}, {got}")
 
 
 def _check_defined(parts: tuple[Any, ...], path: str) -> None:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Int
 
-from laticauda.missions.checking import check_mission
+from laticauda.missions.checking import check_mission, doubts_about
 from laticauda.missions.inspection import (
     find_dock,
     find_net,
@@ -17,10 +17,17 @@ from laticauda.missions.inspection import (
 )
 from laticauda.missions.mission import Mission
 from laticauda.models.simulate import swim_side_by_side
-from laticauda.scenarios import Observation, Observations, Scenario, Start
+from laticauda.scenarios import (
+    Observation,
+    Observations,
+    Scenario,
+    Start,
+    check_many,
+    warn_of_doubt,
+)
 from laticauda.sensing import Dock, Sonar
 from laticauda.trials import Trial
-from laticauda.values import BadArgument
+from laticauda.values import BadArgument, Unknown, name_of, show_value
 
 LATCH_OPEN = 20.0
 """Time after the start during which the latch of a dock stays open [s]."""
@@ -79,9 +86,17 @@ def mission_of(scenario: object) -> Mission:
     Raises:
         ValueError: If something else steers.
     """
-    if not isinstance(scenario, Scenario) or not isinstance(scenario.motion, Mission):
-        raise BadArgument("scenario", "must be a scenario whose controller is a `mission`")
-    return scenario.motion
+    rule = "must be a scenario whose controller is a `mission`"
+    if not isinstance(scenario, Scenario):
+        raise BadArgument("scenario", f"{rule}, got {show_value(scenario)}")
+    motion = scenario.motion
+    if isinstance(motion, Mission):
+        return motion
+    if isinstance(motion, Unknown):
+        raise BadArgument(
+            "scenario", f"{rule}, got one of the kind `{motion.kind}`, which is not known"
+        )
+    raise BadArgument("scenario", f"{rule}, got `{name_of(type(motion))}`")
 
 
 def start_of(scenario: Scenario) -> Start:
@@ -117,6 +132,12 @@ def run_missions(scenarios: Sequence[Scenario]) -> list[MissionResult]:
     for scenario in scenarios:
         mission_of(scenario)
         check_mission(scenario)
+    check_many(scenarios)
+    doubts: dict[str, None] = {}
+    for scenario in scenarios:
+        doubts.update(dict.fromkeys(doubts_about(scenario)))
+    for doubt in doubts:
+        warn_of_doubt(doubt)
     return [
         judge_mission(trial, scenario.duration)
         for trial, scenario in zip(swim_to_dock(scenarios), scenarios, strict=True)
