@@ -53,7 +53,17 @@ LEFT_OUT = {
     "laticauda.cli.mission",
     *(
         f"laticauda.models.planar.{name}"
-        for name in ("adjoint", "driven", "drives", "loads", "prescribed", "recursion", "stepping")
+        for name in (
+            "adjoint",
+            "adjoint_references",
+            "driven",
+            "drives",
+            "kept_run",
+            "loads",
+            "prescribed",
+            "recursion",
+            "stepping",
+        )
     ),
     *(f"laticauda.models.spatial.{name}" for name in ("drives", "stepping")),
     "laticauda.models.simulate.harvest",

@@ -13,8 +13,10 @@ drives         the reference generator, the joint laws and the work of the joint
 prescribed     the same as recursion, faster, where all joints are prescribed (template)
 driven         steps of robots with free joints, semi-implicit (template)
 stepping       steps in time, by one of two integrators (template)
+kept_run       a run that keeps what going back needs (template)
 adjoint        derivatives backward in time (template)
-pullbacks      the formulas that it is made of, traced
+adjoint_references  the part of it that goes back through the reference generator (template)
+pullbacks      the formulas that both are made of, traced
 reverse        driving it, segment by segment
 model          a single robot as a `Plant`
 batch          many runs at once

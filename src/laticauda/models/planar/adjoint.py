@@ -25,26 +25,24 @@ A template (see `templates`), loaded anew for every drag law and number of lanes
 # pyright: reportCallIssue=false, reportGeneralTypeIssues=false
 
 from laticauda.compiling import entry, kernel, lane_types
-from laticauda.compiling.formulas import rows_from
-from laticauda.compiling.lanes import any_lane, first_lane
+from laticauda.compiling.lanes import any_lane
 from laticauda.compiling.pullbacks import compile_pullback
 from laticauda.compiling.templates import bindings
 from laticauda.models.planar.rows import *
-from laticauda.motion.gaits import WaveState
 
 _specialization = bindings(__name__)
 rows_of = lane_types.rows_of(_specialization["n_lanes"])
 loads = _specialization["loads"]
 recursion = _specialization["recursion"]
 drives = _specialization["drives"]
+prescribed = _specialization["prescribed"]
 stepping = _specialization["stepping"]
-shared = drives.shared
+kept_run = _specialization["kept_run"]
+adjoint_references = _specialization["adjoint_references"]
 WEIGHTS = stepping.WEIGHTS
 RK5_STAGES = stepping.RK5_STAGES
 SAME_TIME = stepping.SAME_TIME
-LAST_STAGE = RK5_STAGES - 1
-MIDDLE_STAGE = stepping.MIDDLE + 1
-"""Stage in the middle of the step, where work is counted."""
+LAST_STAGE = kept_run.LAST_STAGE
 
 _pullbacks = dict(_specialization["pullbacks"])
 pull_wrench = compile_pullback(_pullbacks["wrench"])
@@ -55,36 +53,6 @@ pull_slender_edge = compile_pullback(_pullbacks["slender_edge"])
 pull_finite_span = compile_pullback(_pullbacks["finite_span"])
 pull_power = compile_pullback(_pullbacks["power"])
 pull_electrical_power = compile_pullback(_pullbacks["electrical_power"])
-pull_reference = compile_pullback(_pullbacks["reference"])
-pull_knots = compile_pullback(_pullbacks["knots"])
-pull_body_motion = compile_pullback(_pullbacks["body_motion"])
-pull_fin_motion = compile_pullback(_pullbacks["fin_motion"])
-pull_body_wave = compile_pullback(_pullbacks["body_wave"])
-pull_fin_wave = compile_pullback(_pullbacks["fin_wave"])
-
-N_WAVE = len(WaveState._fields)
-N_FIN_WAVE = len(FIN_WAVE)
-body_wave = rows_from(PHASE, N_WAVE)
-fin_wave = rows_from(FIN_PHASE, N_FIN_WAVE)
-
-# What is kept of a stage.
-KEPT_HEADING = 0
-KEPT_RATE = 1
-KEPT_VX = 2
-KEPT_VY = 3
-KEPT_MEMORY = 4
-KEPT_ACCELERATION = 5  # of body 0
-KEPT_INERTIA = 8  # of the whole chain about its tail end
-STAGE_ROWS = 14
-"""Numbers that are kept of a stage."""
-# What is kept of a moment of the reference generator.
-KEPT_TIME = 0
-KEPT_BODY_WAVE = 1
-KEPT_FIN_WAVE = 1 + N_WAVE
-MOMENT_ROWS = 1 + N_WAVE + N_FIN_WAVE
-"""Numbers that are kept of a moment of the generator."""
-MOMENTS = 4
-"""Moments of the generator in a step."""
 
 
 @entry
@@ -107,13 +75,13 @@ def pull_segment(
     moments,
     seeds,
 ):
-    """Run a segment of a run from the state in `flat`, and take the bars back from its end to its begin.
+    """Take the bars back from the end of a segment to its begin, which `kept_run` has run just before.
 
     The first call is for the last segment, with zeros in `bars`. Each call leaves there what the call
     for the segment before begins with, and the last one the bars of all rows at the begin of the run.
 
     Args:
-        flat: Rows with the state at the begin of the segment.
+        flat: Rows as the segment's run has left them.
         bars: Bars of all rows.
         n: Number of bodies.
         first_strip: Strips first_strip[i] to first_strip[i + 1] are rigidly attached to body i.
@@ -127,31 +95,28 @@ def pull_segment(
         first_step: Steps of the run before the segment.
         is_last: Whether the run ends with the segment.
         with_work: Whether any work has a seed.
-        stages: Room for what is kept of the stages: steps + 1, RK5_STAGES, STAGE_ROWS, lanes.
-        moments: Room for what is kept of the generator: steps, MOMENTS, MOMENT_ROWS, lanes.
+        stages: What was kept of the stages.
+        moments: What was kept of the moments of the generator.
         seeds: Bars of the samples of the whole run: samples, `reverse.SEED_ROWS`, lanes.
     """
     S = rows_of(flat)
     G = rows_of(bars)
     generator_step = stepping.QUARTER * dt
-    drives.set_decay(S, generator_step)
-    drives.set_reference(S, n, law, tail_link)
     end = steps * RK5_STAGES
     if is_last:
         end += 1
     chain = n, first_strip, first_plate, law, tail_link, has_extras
-    run_ahead(S, chain, end, steps, dt, stages, moments)
     for evaluation in range(end - 1, -1, -1):
         step, stage = evaluation // RK5_STAGES, evaluation % RK5_STAGES
         if stage == LAST_STAGE:
             begin_step(G, dt)
         elif step < steps and stage != SAME_TIME:
-            moment = rows_of(moments[step, moment_of(stage)])
-            go_back_to_moment(S, G, n, law, tail_link, generator_step, moment)
+            moment = rows_of(moments[step, kept_run.moment_of(stage)])
+            adjoint_references.go_back_to_moment(S, G, n, law, tail_link, generator_step, moment)
         run_step = first_step + step
         sample = rows_of(seeds[run_step // every])
         is_sample = stage == 0 and run_step % every == 0
-        counts = with_work and (stage == 0 or stage == MIDDLE_STAGE)
+        counts = with_work and kept_run.counts_work(stage)
         if counts:
             seed_powers(G, sample, is_sample, run_step, dt)
         begin_stage(G, stage)
@@ -161,96 +126,8 @@ def pull_segment(
         if is_sample:
             seed_state(G, sample)
     if first_step == 0:
-        pull_references(S, G, n, law, tail_link)
+        adjoint_references.pull_references(S, G, n, law, tail_link)
         G[BANDWIDTH] -= generator_step * S[DECAY] * G[DECAY]
-
-
-@kernel
-def run_ahead(S, chain, end, steps, dt, stages, moments):
-    """Run a segment, and keep what going back needs of its stages and moments, and of one stage more if the run ends.
-
-    One loop over all stages, because a stage is compiled into every place that calls it; so is the way back.
-    """
-    n, _, _, law, tail_link, _ = chain
-    for evaluation in range(end):
-        step, stage = evaluation // RK5_STAGES, evaluation % RK5_STAGES
-        if stage == 0:
-            for r in range(BASE_ROWS):
-                S[SAVED + r] = S[HEADING + r]
-        elif stage != SAME_TIME + 1:
-            drives.advance_reference(S, n, law, tail_link, stepping.QUARTER * dt)
-        if step < steps and is_first_of_moment(stage):
-            keep_moment(S, rows_of(moments[step, moment_of(stage)]))
-        evaluate(S, *chain, rows_of(stages[step, stage]))
-        if step < steps:
-            stepping.keep_slope(S, stage)
-            stepping.step_ahead(S, dt, WEIGHTS[stage], stage + 1)
-
-
-@kernel
-def go_back_to_moment(S, G, n, law, tail_link, generator_step, moment):
-    """Take the bars of the references back to a moment that was kept, and set the references of that moment."""
-    pull_references(S, G, n, law, tail_link)
-    read_moment(S, moment)
-    pull_generator(S, G, law, tail_link, generator_step)
-    drives.set_reference(S, n, law, tail_link)
-
-
-@kernel
-def moment_of(stage):
-    """Return the moment of the generator at which a stage lies, counted from the begin of the step."""
-    if stage < SAME_TIME + 1:
-        return stage
-    return stage - 1
-
-
-@kernel
-def is_first_of_moment(stage):
-    """Return whether a stage is the first one at its moment, and not at the end of the step."""
-    return stage != SAME_TIME + 1 and stage != LAST_STAGE
-
-
-@kernel
-def keep_moment(S, kept):
-    """Store the state of the generator."""
-    kept[KEPT_TIME] = S[TIME]
-    for row, value in enumerate(body_wave(S)):
-        kept[KEPT_BODY_WAVE + row] = value
-    for row, value in enumerate(fin_wave(S)):
-        kept[KEPT_FIN_WAVE + row] = value
-
-
-@kernel
-def read_moment(S, kept):
-    """Set the state of the generator to a stored one."""
-    S[TIME] = kept[KEPT_TIME]
-    for row in range(N_WAVE):
-        S[PHASE + row] = kept[KEPT_BODY_WAVE + row]
-    for row in range(N_FIN_WAVE):
-        S[FIN_PHASE + row] = kept[KEPT_FIN_WAVE + row]
-
-
-@kernel
-def evaluate(S, n, first_strip, first_plate, law, tail_link, has_extras, kept):
-    """Compute the accelerations of the state in S, and store what `pull_stage` needs."""
-    is_free = stepping.free_joints(law)
-    recursion.velocities(S, n)
-    if has_extras:
-        loads.extra_loads(S, n, first_strip, first_plate, tail_link)
-    articulated = recursion.inward(S, n, is_free, False)
-    recursion.floating_base(S, articulated)
-    recursion.outward(S, n, is_free, False)
-    kept[KEPT_HEADING] = S[HEADING]
-    kept[KEPT_RATE] = S[HEADING_RATE]
-    kept[KEPT_VX] = S[VX]
-    kept[KEPT_VY] = S[VY]
-    kept[KEPT_MEMORY] = S[EDGE_MEMORY]
-    root = S[HEADER_ROWS + LINK_ACCELERATION], S[HEADER_ROWS + QX], S[HEADER_ROWS + QY]
-    for k, number in enumerate(root):
-        kept[KEPT_ACCELERATION + k] = number
-    a00, a01, a02, a11, a12, a22, _, _, _ = articulated
-    for k, number in enumerate((a00, a01, a02, a11, a12, a22)):
-        kept[KEPT_INERTIA + k] = number
 
 
 # ---- a step ------------------------------------------------------------------------------------------
@@ -316,139 +193,6 @@ def seed_powers(G, sample, is_sample, run_step, dt):
         G[POWER_ABSOLUTE + k] = half * (before + after)
 
 
-# ---- the reference generator --------------------------------------------------------------------------
-
-
-@kernel
-def pull_references(S, G, n, law, tail_link):
-    """Take the bars of all references of a moment back to the waves and a recording, and set them to 0."""
-    if first_lane(S[KNOTS]) > 0.0:
-        pull_recorded(S, G, n, tail_link)
-    if drives.has_driven_fin(law, tail_link):
-        b = HEADER_ROWS + tail_link * BODY_ROWS
-        ramp = shared.smooth_start(S[TIME], S[RAMP])
-        wave = shared.wave_motion(drives.fin_wave(S), drives.fin_target(S), S[BANDWIDTH], ramp)
-        s, c = drives.sincos(S[FIN_PHASE] + S[FIN_LEAD])
-        motion, phase = pull_joint(S, G, b, s, c, 0.0, wave)
-        pull_fin_motion(S, G, *motion)
-        G[FIN_PHASE] += phase
-        G[FIN_LEAD] += phase
-    ramp = shared.smooth_start(S[TIME], S[RAMP])
-    wave = shared.wave_motion(drives.body_wave(S), drives.body_target(S), S[BANDWIDTH], ramp)
-    s, c = drives.sincos(S[PHASE])
-    sin_shift, cos_shift = drives.sincos(S[PHASE_SHIFT_NOW])
-    zero = drives.zero_like(S[PHASE])
-    sums = zero, zero, zero, zero, zero, zero, zero, zero, zero, zero
-    k = 0.0
-    for i in range(tail_link + 1, n):
-        if law[i] == PRESCRIBED:
-            b = HEADER_ROWS + i * BODY_ROWS
-            sine, cosine = drives.ahead_of_wave(S, b, s, c)
-            motion, phase = pull_joint(S, G, b, sine, cosine, k, wave)
-            sums = add_motions(sums, motion)
-            G[PHASE] += phase
-            G[b + LEAD] += phase
-            G[PHASE_SHIFT_NOW] += k * phase
-            s, c = s * cos_shift + c * sin_shift, c * cos_shift - s * sin_shift
-            k += 1.0
-    pull_body_motion(S, G, *sums)
-
-
-@kernel
-def pull_recorded(S, G, n, tail_link):
-    """Take the bars of all references back to the knots before and after the current time."""
-    width = 1 + 2 * (n - 1 - tail_link)
-    before = drives.recorded_knot(S, width)
-    after = before + width
-    for i in range(tail_link + 1, n):
-        b = HEADER_ROWS + i * BODY_ROWS
-        at_angle = 2 * (i - tail_link) - 1
-        bars = pull_knots(
-            S,
-            G,
-            S[TIME],
-            S[before],
-            S[after],
-            S[before + at_angle],
-            S[before + at_angle + 1],
-            S[after + at_angle],
-            S[after + at_angle + 1],
-            G[b + ANGLE],
-            G[b + RATE],
-            G[b + REFERENCE_2],
-        )
-        G[before] += bars[0]
-        G[after] += bars[1]
-        G[before + at_angle] += bars[2]
-        G[before + at_angle + 1] += bars[3]
-        G[after + at_angle] += bars[4]
-        G[after + at_angle + 1] += bars[5]
-
-
-@kernel
-def pull_joint(S, G, b, s, c, k, wave):
-    """Take the bars of a joint's reference back; return those of its wave's motion, and that of its phase."""
-    angle, rate, acceleration = G[b + ANGLE], G[b + RATE], G[b + REFERENCE_2]
-    a, a_1, a_2, frequency, frequency_1, shift_1, shift_2, offset, offset_1, offset_2 = wave
-    bars = pull_reference(
-        S,
-        G,
-        s,
-        c,
-        S[b + ENVELOPE],
-        a,
-        a_1,
-        a_2,
-        frequency,
-        frequency_1,
-        shift_1,
-        shift_2,
-        offset,
-        offset_1,
-        offset_2,
-        k,
-        angle,
-        rate,
-        acceleration,
-    )
-    sine, cosine, envelope = bars[:3]
-    G[b + ENVELOPE] += envelope
-    zero = drives.zero_like(angle)
-    G[b + ANGLE] = zero
-    G[b + RATE] = zero
-    G[b + REFERENCE_2] = zero
-    return bars[3:], c * sine - s * cosine
-
-
-@kernel
-def add_motions(a, b):
-    """Return the sum of the bars of a wave's motion from two joints."""
-    return (
-        a[0] + b[0],
-        a[1] + b[1],
-        a[2] + b[2],
-        a[3] + b[3],
-        a[4] + b[4],
-        a[5] + b[5],
-        a[6] + b[6],
-        a[7] + b[7],
-        a[8] + b[8],
-        a[9] + b[9],
-    )
-
-
-@kernel
-def pull_generator(S, G, law, tail_link, dt):
-    """Take the bars of the waves back over one step of the generator, to the state in S."""
-    if drives.has_driven_fin(law, tail_link):
-        bars = pull_fin_wave(S, G, dt, *fin_wave(G))
-        for row, bar in enumerate(bars):
-            G[FIN_PHASE + row] = bar
-    bars = pull_body_wave(S, G, dt, *body_wave(G))
-    for row, bar in enumerate(bars):
-        G[PHASE + row] = bar
-
-
 # ---- a stage --------------------------------------------------------------------------------------------
 
 
@@ -456,13 +200,9 @@ def pull_generator(S, G, law, tail_link, dt):
 def pull_stage(S, G, n, first_strip, first_plate, law, tail_link, has_extras, kept, stage, counts):
     """Take the bars of a stage's slope, and if work counts those of its powers, back to its state and all parameters.
 
-    The references of the moment must be in S.
+    The references of the moment, and the inertia, must be in S.
     """
-    S[HEADING] = kept[KEPT_HEADING]
-    S[HEADING_RATE] = kept[KEPT_RATE]
-    S[VX] = kept[KEPT_VX]
-    S[VY] = kept[KEPT_VY]
-    S[EDGE_MEMORY] = kept[KEPT_MEMORY]
+    kept_run.read_stage(S, kept)
     recursion.velocities(S, n)
     if has_extras:
         loads.extra_loads(S, n, first_strip, first_plate, tail_link)
@@ -475,7 +215,7 @@ def pull_stage(S, G, n, first_strip, first_plate, law, tail_link, has_extras, ke
         pull_powers(S, G, n)
         e0, e1, e2 = inertia_of_torques(S, G, n)
         turning, push_x, push_y = turning + e0, push_x + e1, push_y + e2
-    nu = base_motion(kept, turning, push_x, push_y)
+    nu = base_motion(S, turning, push_x, push_y)
     vx_bar, vy_bar = pull_loads(
         S, G, n, first_strip, first_plate, tail_link, has_extras, nu, ax_bar, ay_bar, counts
     )
@@ -488,7 +228,7 @@ def accelerate(S, n, kept):
 
     The positions PX and PY are those from the tail end of body 0 here.
     """
-    spin, qx, qy = kept[KEPT_ACCELERATION], kept[KEPT_ACCELERATION + 1], kept[KEPT_ACCELERATION + 2]
+    spin, qx, qy = kept_run.acceleration_of_last(S, kept)
     px, py, center_x, center_y = 0.0, 0.0, 0.0, 0.0
     for i in range(n):
         b = HEADER_ROWS + i * BODY_ROWS
@@ -512,17 +252,14 @@ def accelerate(S, n, kept):
 
 
 @kernel
-def base_motion(kept, turning, push_x, push_y):
-    """Return nu of body 0, from the bars of its acceleration: I nu + bars = 0."""
-    inertia = (
-        kept[KEPT_INERTIA],
-        kept[KEPT_INERTIA + 1],
-        kept[KEPT_INERTIA + 2],
-        kept[KEPT_INERTIA + 3],
-        kept[KEPT_INERTIA + 4],
-        kept[KEPT_INERTIA + 5],
-    )
-    return recursion.solved((*inertia, turning, push_x, push_y))
+def base_motion(S, turning, push_x, push_y):
+    """Return nu of body 0, from the bars of its acceleration: I nu + bars = 0, with I in axes of body 0."""
+    c, s = S[HEADER_ROWS + COS], S[HEADER_ROWS + SIN]
+    push_t, push_n = prescribed.turned(c, s, push_x, push_y)
+    inertia = prescribed.stiff_inertia(S)
+    rotation, nu_t, nu_n = recursion.solved((*inertia, turning, push_t, push_n))
+    nu_x, nu_y = prescribed.turned(c, -s, nu_t, nu_n)
+    return rotation, nu_x, nu_y
 
 
 @kernel

@@ -192,10 +192,9 @@ def accelerations(S, n, is_still, keep_all):
         a_t -= length * (rate * rate)
         a_n += length * acceleration
     rotation, q_x, q_y = recursion.solved((*stiff_inertia(S), p0, p1, p2))
-    if keep_all:
-        S[HEADER_ROWS + LINK_ACCELERATION] = rotation
-        S[HEADER_ROWS + QX] = q_x
-        S[HEADER_ROWS + QY] = q_y
+    S[HEADER_ROWS + LINK_ACCELERATION] = rotation
+    S[HEADER_ROWS + QX] = q_x
+    S[HEADER_ROWS + QY] = q_y
     S[HEADING_ACCELERATION] = rotation + S[TURN_ACCELERATION]
     c_x, c_y = acceleration_of_center(S, rotation, q_x, q_y, spin)
     S[AX], S[AY] = turned(root_c, -root_s, c_x, c_y)

@@ -4,6 +4,7 @@ They are computed backward in time (`laticauda.models.planar.reverse`): one swee
 many numbers there are. `derivatives` does the same forward, one run for a number.
 """
 
+import threading
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -111,6 +112,7 @@ def compute_row_gradients(
     n_intervals = max(1, round(duration / sample_interval))
     runs_of_figures = [runs[figure.run] for figure in figures]
     gradients: dict[int, Gradient] = {}
+    own = _OfThread()
 
     def sweep(members: list[int]) -> list[tuple[int, Gradient]]:
         block = _Block(
@@ -119,13 +121,21 @@ def compute_row_gradients(
             time=np.linspace(0.0, duration, n_intervals + 1),
         )
         # A list: what is left to be computed when it is asked for would all be computed by one thread.
-        return list(zip(members, block.sweep(duration, sample_interval), strict=True))
+        gradients_of_block = block.sweep(duration, sample_interval, own.room)
+        return list(zip(members, gradients_of_block, strict=True))
 
     with ThreadPoolExecutor(threads or usable_cores()) as pool:
         for gradients_of_block in pool.map(sweep, _blocks(runs_of_figures, duration / n_intervals)):
             gradients.update(gradients_of_block)
             progress(len(gradients) / len(figures))
     return [gradients[i] for i in range(len(figures))]
+
+
+class _OfThread(threading.local):
+    """What a thread has of its own."""
+
+    def __init__(self) -> None:
+        self.room = reverse.Room()
 
 
 def compute_jacobians(
@@ -306,9 +316,11 @@ class _Block:
         self.reached_end: Bool[np.ndarray, " n_runs"] = np.zeros(len(runs), dtype=bool)
         self.last_sample: Int[np.ndarray, " n_runs"] = np.zeros(len(runs), dtype=int)
 
-    def sweep(self, duration: float, sample_interval: float) -> Iterator[Gradient]:
+    def sweep(
+        self, duration: float, sample_interval: float, room: reverse.Room
+    ) -> Iterator[Gradient]:
         """Yield the gradient of every run's figure."""
-        bars = reverse.march_back(self.runs, duration, sample_interval, self._seed)
+        bars = reverse.march_back(self.runs, duration, sample_interval, self._seed, room)
         slopes = self.slopes
         change = slopes.start * (duration - np.nan_to_num(self.steady.start))
         for lane, run in enumerate(self.runs):
