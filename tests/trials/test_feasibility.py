@@ -207,6 +207,10 @@ def test_a_trial_without_torques_says_what_it_knows(trial: lc.Trial):
     measured = lc.Trial.measured(series, scenario=trial.scenario, version="1")
     assert measured.peak_joint_angle == trial.peak_joint_angle
     assert {"peak_joint_torque", "utilization"} <= measured.figures()[1].keys()
+    words = measured.feasibility.words
+    assert words.endswith(" deg, no joint rate was measured, no joint torque was measured")
+    assert "needs" not in words and "turns" not in words
+    assert feasibility.describe_ability(measured.chain, measured.feasibility) == words
 
 
 def test_links_that_cross_are_looked_for_in_every_posture_where_there_are_no_more_than_may_be_looked_at():

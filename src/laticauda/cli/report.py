@@ -269,7 +269,10 @@ def describe_gait(gait: gaits.Gait | None) -> str:
     if recorded is None or gait.amplitude or gait.offset:
         envelope = in_a_line(describe_fields(gait.envelope))
         wave = in_a_line(describe_fields(gait, "envelope", "recorded"))
-        parts.append(f"{gait.kind.replace('_', '-')}: {', '.join(filter(None, (envelope, wave)))}")
+        numbers = ", ".join(filter(None, (envelope, wave)))
+        if not numbers:
+            return "straight, with all joints at rest"
+        parts.append(f"{gait.kind.replace('_', '-')}: {numbers}")
     return ", ".join(parts)
 
 

@@ -261,7 +261,7 @@ class Trial(Suggesting, contents.Contents):
     @cached_property
     def feasibility(self) -> Feasibility:
         """What the run demands of joints and actuators, what they offer, and why the robot cannot do it, if so."""
-        return judge_feasibility(self.chain, self, self.period)
+        return judge_feasibility(self.chain, self, self.period, self.not_measured)
 
     @cached_property
     def pressure_difference(self) -> side_pressure.OfLinks:

@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.text import Annotation, Text
 from show.figures.runs import RUNS, run
 
+import laticauda as lc
 from laticauda.show.figures import (
     new_figure,
     plot_joint_angle,
@@ -114,6 +115,16 @@ def test_every_joint_has_a_line_and_a_place_on_the_labeled_scale(ax: Axes, figur
     (scale,) = [other for other in ax.get_figure().axes if other is not ax]
     assert scale.get_title(loc="left") == "joint"
     assert [text.get_text() for text in scale.get_yticklabels()] == ["0 (tail)", "7 (head)"]
+
+
+@pytest.mark.parametrize("plot", [plot_joint_angle, plot_joint_torque])
+def test_what_was_not_measured_is_not_drawn_as_zeros(ax: Axes, plot):
+    trial = run("lateral")
+    series = {name: getattr(trial, name) for name in ("time", "center_of_mass")}
+    series["center_of_mass_velocity"] = trial.center_of_mass_velocity
+    plot(lc.Trial.measured(series, scenario=trial.scenario, version="1"), ax)
+    assert not ax.collections and not ax.lines
+    assert [text.get_text() for text in ax.texts] == ["not measured"]
 
 
 def test_only_the_end_of_a_run_can_be_shown(ax: Axes):

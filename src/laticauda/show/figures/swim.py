@@ -78,6 +78,8 @@ def plot_joint_angle(
         last: Show only this much of the end of the run [s]; None shows all of it.
         scale: Whether to add the color scale beside the axes.
     """
+    if "joint_angle" in trial.not_measured:
+        return _leave_empty(trial, ax, label="joint angle [deg]")
     return _plot_joints(
         trial,
         np.degrees(trial.joint_angle),
@@ -99,6 +101,8 @@ def plot_joint_torque(
         last: Show only this much of the end of the run [s]; None shows all of it.
         scale: Whether to add the color scale beside the axes.
     """
+    if "joint_torque" in trial.not_measured:
+        return _leave_empty(trial, ax, label="joint torque [N m]")
     return _plot_joints(
         trial, trial.joint_torque, ax, label="joint torque [N m]", last=last, scale=scale
     )
@@ -211,6 +215,17 @@ def _plot_joints(
         if scale:
             _add_joint_scale(ax.get_figure(root=True), trial, [ax])
     span_time_axis(ax, times)
+    return style.style_axes(ax, xlabel="time [s]", ylabel=label)
+
+
+def _leave_empty(trial: Trial, ax: Axes, *, label: str) -> Axes:
+    """Say that what would be drawn was not measured, where zeros would look like a measurement."""
+    middle = (0.5, 0.5)
+    style.add_note(
+        ax, "not measured", middle, (0, 0), xycoords="axes fraction", ha="center", va="center"
+    )
+    ax.set_yticks([])
+    span_time_axis(ax, trial.time)
     return style.style_axes(ax, xlabel="time [s]", ylabel=label)
 
 

@@ -1,7 +1,7 @@
 """What a run demands of the robot, beside what the robot offers, in sentences."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -41,6 +41,8 @@ class Feasibility:
     """Reasons why the robot cannot do it, one sentence each; empty if it can."""
     limited_by: str
     """What is used most of all that the robot offers: its servos, its joint angles, or the room between its links."""
+    is_complete: bool = True
+    """Whether angles, rates and torques are all known; what was not measured counts as 0."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,21 +67,25 @@ def describe_ability(robot: Robot, feasibility: Feasibility) -> str:
     if feasibility.problems:
         return f"cannot do it: {'; '.join(feasibility.problems)}"
     utilization = feasibility.figures["utilization"]
-    if not math.isfinite(utilization):
+    if not math.isfinite(utilization) or not feasibility.is_complete:
         return feasibility.words
     if not any(joint.actuator.stated for joint in robot.driven_joints):
         return "can do it as far as their angles go; no actuator is stated"
     return f"can do it: {100.0 * utilization:.0f} % of angle, speed and torque are used"
 
 
-def judge_feasibility(robot: Robot, log: Log, period: float | None) -> Feasibility:
+def judge_feasibility(
+    robot: Robot, log: Log, period: float | None, not_measured: Collection[str] = ()
+) -> Feasibility:
     """Compare what a run demands of the robot with what the robot offers.
 
     Args:
         robot: The robot, in its planar form for a run in the plane.
         log: Log of the run; series that were not measured are 0 there, and demand nothing.
         period: Gait period, None without a gait [s].
+        not_measured: Names of those series; nothing is said of them.
     """
+    unknown = [series for series in FIN_SERIES if series in not_measured]
     is_settled = find_settled_samples(log.time, period)
     angle = _driven_joints(robot, log, "joint_angle")[is_settled]
     rate = _driven_joints(robot, log, "joint_rate")[is_settled]
@@ -89,7 +95,7 @@ def judge_feasibility(robot: Robot, log: Log, period: float | None) -> Feasibili
     words = "none"
     problems: list[str] = []
     if robot.driven_joints:
-        words, problems = _describe(robot, angle, rate, torque)
+        words, problems = _describe(robot, angle, rate, torque, unknown)
     if figures["utilization"] > 1.0 + ROUNDING:  # only then can links overlap as well
         closest = measure_overlap(robot, angle[:, : robot.n_joints, 0])
         if closest.share > 1.0 + ROUNDING:
@@ -99,6 +105,7 @@ def judge_feasibility(robot: Robot, log: Log, period: float | None) -> Feasibili
         words=words,
         problems=tuple(problems),
         limited_by=_name_limit(robot, angle, rate, torque, figures["utilization"][0]),
+        is_complete=not unknown,
     )
 
 
@@ -159,8 +166,10 @@ def _driven_columns(robot: Robot, log: Log, series: str) -> np.ndarray:
     return np.column_stack((columns, fin))[:, : len(robot.driven_joints)]
 
 
-def _describe(robot: Robot, angle: Joints, rate: Joints, torque: Joints) -> tuple[str, list[str]]:
-    """Describe the largest angle, rate and torque, each with the value available.
+def _describe(
+    robot: Robot, angle: Joints, rate: Joints, torque: Joints, unknown: Sequence[str]
+) -> tuple[str, list[str]]:
+    """Describe the largest angle, rate and torque, each with the value available, but for the `unknown` series.
 
     The second value holds a sentence for whatever exceeds it.
     """
@@ -171,6 +180,11 @@ def _describe(robot: Robot, angle: Joints, rate: Joints, torque: Joints) -> tupl
     problems: list[str] = []
     if bend.exceeds_offer:
         problems.append(bend.problem)
+    if unknown:
+        known = [("joint_angle", bend), ("joint_rate", turn)]
+        parts = [demand.words for series, demand in known if series not in unknown]
+        names = [f"no {series.replace('_', ' ')} was measured" for series in unknown]
+        return ", ".join(parts + names), problems
     if not any(joint.actuator.stated for joint in robot.driven_joints):
         fastest = math.degrees(np.abs(rate).max())
         strongest = np.abs(torque).max()
