@@ -8,6 +8,7 @@ from film.tag_films import LEVEL, SURFACE, rendered
 
 import laticauda as lc
 from laticauda.cli import main
+from laticauda.film import write_example
 from laticauda.film.calibration import calibrate_by_ruler, load_calibration, save_calibration
 from laticauda.film.tags import load_layout, save_layout
 from laticauda.robot.files import to_toml
@@ -100,3 +101,62 @@ def test_points_of_a_tracker_become_a_trial(folder, capsys):
 def test_a_film_without_its_tags_is_refused(folder, capsys):
     assert main(["track", "swim.mp4"]) == 2
     assert "--tags must be given for a film" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (
+            "--robot mambo",
+            "laticauda: there is no robot preset named `mambo`; did you mean `mamba`?",
+        ),
+        ("--start 2 --stop 1", "--stop must be > --start = 2 s, got 1"),
+        ("--start 5", "--start must be before the body was last seen, at 3.833 s, got 5 s"),
+        ("--stop 0", "--stop must be after the trial begins, at 0 s, got 0 s"),
+        ("--height 100", "--height must be a plane that the camera sees where the marks are"),
+        ("--along nose=0.3", "--along must be left out for a film: it would do nothing"),
+        ("--likelihood-floor 0.3", "--likelihood-floor must be left out for a film"),
+    ],
+)
+def test_what_is_wrong_with_a_film_is_said_by_its_option(folder, capsys, words, message):
+    write_example(folder)
+    assert main(["track", "glide.mp4", "--tags", "tags.toml", "--straight", *words.split()]) == 2
+    assert message in capsys.readouterr().err
+
+
+def test_options_of_films_do_nothing_for_points_and_are_refused(folder, capsys):
+    tracker_files.write_deeplabcut_csv(folder / "eel.csv")
+    for option in (["--straight"], ["--save-calibration", "camera.toml"]):
+        assert main(["track", "eel.csv", "--robot", "robot.toml", *option]) == 2
+        message = f"{option[0]} must be left out for points of a tracker: it would do nothing"
+        assert message in capsys.readouterr().err
+
+
+def test_points_that_their_tracker_is_unsure_of_are_lost_below_the_floor(folder, capsys):
+    tracker_files.write_deeplabcut_csv(folder / "eel.csv")
+    save_calibration(calibrate_by_ruler((640, 480), (0, 0), (500, 0), 1.0), "camera.toml")
+    options = ["--robot", "robot.toml", "--calibration", "camera.toml", "--frame-rate", "30"]
+    options += ["--along", "nose=0.44", "middle=0.36", "tail=0.28", "--json"]
+    assert main(["track", "eel.csv", *options, "--likelihood-floor", "1"]) == 2
+    assert "eel.csv" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("ends", "message"),
+    [
+        ("1 2 1 2", "--ruler-px: the end must be at least 10 px from its other end, got 0 px"),
+        ("-1 2 300 4", "--ruler-px: the begin must be in the picture, which is 1280 by 720 px"),
+        ("1 2 3000 4", "--ruler-px: the end must be in the picture, which is 1280 by 720 px"),
+    ],
+)
+def test_the_ends_of_a_ruler_are_two_places_in_the_picture(folder, capsys, ends, message):
+    write_example(folder)
+    words = ["camera", "glide.mp4", "--output", "camera.toml", "--ruler-length", "1"]
+    assert main([*words, "--ruler-px", *ends.split()]) == 2
+    assert message in capsys.readouterr().err
+
+
+def test_tags_on_the_floor_do_not_lie_on_each_other(folder, capsys):
+    assert main(["tags", "--area", "0", "2", "--output", "sheet.pdf"]) == 2
+    message = "--area must be longer and wider than a tag, 0.13 m, got 0 by 2 m"
+    assert message in capsys.readouterr().err

@@ -90,6 +90,10 @@ def test_a_trial_with_measured_angles_does_as_well(film, tmp_path, capsys):
             ["--robot", "amphibot", "--length", "0.4", "--frame-rate", "60"],
             "length must be left out unless",
         ),
+        (
+            ["--robot", "eal", "--length", "0.4"],
+            "--robot must be one of `eel`, `fish`, `amphibot`, ",
+        ),
     ],
 )
 def test_what_is_missing_or_wrong_is_said_by_its_name(table, words, message, capsys):
@@ -107,3 +111,12 @@ def test_a_film_itself_is_sent_to_track(tmp_path, capsys):
 def test_a_name_that_is_no_robot_is_said_before_its_length(table, capsys):
     assert main(["inverse", table, "--robot", "ell", *OPTIONS[2:]]) == 2
     assert "length" not in capsys.readouterr().err
+
+
+def test_a_trial_is_not_taken_for_the_swim_of_another_body(tmp_path, capsys):
+    path = tmp_path / "run.nc"
+    gait = lc.eel_like(amplitude=0.6, frequency=8.5, phase_shift=0.7)
+    lc.swim("amphibot", gait, 1.0).save(path)
+    assert main(["inverse", str(path), "--robot", "eel", "--length", "0.4"]) == 2
+    message = "--robot must be as long as what swam in the trial, `amphibot`: 7 links, 0.6755 m, "
+    assert f"{message}got 10 links, 0.4 m" in " ".join(capsys.readouterr().err.split())

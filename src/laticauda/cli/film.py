@@ -58,9 +58,9 @@ from laticauda.film.tracking import (
     follow_tags,
 )
 from laticauda.motion.gaits import lateral_undulation
-from laticauda.scenarios import take_chosen
+from laticauda.scenarios import Choice
 from laticauda.show.figures import save_figure
-from laticauda.values import option, quantity, value_class
+from laticauda.values import BadArgument, option, quantity, value_class
 
 FILM_ENDINGS = (".mp4", ".avi", ".mov", ".m4v", ".mkv", ".mts", ".webm", ".wmv")
 """Endings of films; any other file holds points of a tracker."""
@@ -189,14 +189,19 @@ class OfCamera(Command):
         lens = None
         if self.lens is not None:
             lens = load_lens(self.lens)
-        return calibrate_camera(
-            marks,
-            image_size,
-            lens=lens,
-            surface=surface,
-            plane_height=self.height,
-            plane_height_deviation=self.height_deviation,
-        )
+        try:
+            return calibrate_camera(
+                marks,
+                image_size,
+                lens=lens,
+                surface=surface,
+                plane_height=self.height,
+                plane_height_deviation=self.height_deviation,
+            )
+        except BadArgument as error:
+            if error.name != "plane_height":
+                raise
+            raise BadArgument("height", error.rule) from None
 
 
 @value_class
@@ -256,7 +261,11 @@ class Camera(OfCamera):
             raise BadFlag("--ruler-length must be given with --ruler-px")
         picture = pictures_of_film(self.file, n_pictures=1)[0]
         size = (int(picture.shape[1]), int(picture.shape[0]))
-        return calibrate_by_ruler(size, ends[:2], ends[2:], self.ruler_length)
+        try:
+            return calibrate_by_ruler(size, ends[:2], ends[2:], self.ruler_length)
+        except BadArgument as error:
+            rule = error.rule.replace("`begin`", "its other end")
+            raise BadFlag(f"--ruler-px: the {error.name} {rule}") from None
 
     def _calibrate_by_board(self) -> Calibration:
         if self.columns is None or self.rows is None or self.square is None:
@@ -343,17 +352,17 @@ class Track(OfCamera):
 
     def run(self) -> Outcome:
         """Track."""
-        table: dict[str, Any] = {"robot": self.robot}
-        if self.water is not None:
-            table["water"] = self.water
-        chosen = take_chosen(table, STILL, None)
-        if Path(self.file).suffix.lower() in FILM_ENDINGS:
+        self._check_span()
+        self._check_kind_of_file()
+        choice = Choice(robot=self.robot, water=self.water)
+        chosen = choice.resolved(STILL, lc.load_robot)
+        if self._is_film:
             track = self._follow_tags(chosen.robot)
         else:
             track = self._follow_points(chosen.robot)
         if self.picture is not None:
             film = self.film
-            if Path(self.file).suffix.lower() in FILM_ENDINGS:
+            if self._is_film:
                 film = self.file
             save_figure(draw_over_frames(track, film), self.picture)
         trial = build_trial(
@@ -368,6 +377,37 @@ class Track(OfCamera):
         if self.save is not None:
             trial.save(self.save)
         return Outcome(facts=self._facts_of(trial, track), text=self._describe(trial, track))
+
+    @property
+    def _is_film(self) -> bool:
+        """Whether the file is a film of tags, not the points of a tracker."""
+        return Path(self.file).suffix.lower() in FILM_ENDINGS
+
+    def _check_span(self) -> None:
+        """Reject a trial that ends before it begins, before the film is searched."""
+        if self.start is not None and self.stop is not None and self.stop <= self.start:
+            raise BadFlag(f"--stop must be > --start = {self.start:g} s, got {self.stop:g}")
+
+    def _check_kind_of_file(self) -> None:
+        """Reject options that would do nothing: those of the points of a tracker for a film, and vice versa."""
+        of_points = {
+            "--along": self.along or None,
+            "--individual": self.individual,
+            "--likelihood-floor": self.likelihood_floor,
+            "--film": self.film,
+        }
+        of_films = {
+            "--tags": self.tags,
+            "--lens": self.lens,
+            "--water-surface": self.water_surface,
+            "--straight": self.straight or None,
+            "--each-frame": self.each_frame or None,
+            "--save-calibration": self.save_calibration,
+        }
+        idle, kind = (of_points, "a film") if self._is_film else (of_films, "points of a tracker")
+        for flag, value in idle.items():
+            if value is not None:
+                raise BadFlag(f"{flag} must be left out for {kind}: it would do nothing")
 
     def _follow_tags(self, robot: lc.Robot) -> BodyTrack:
         if self.tags is None:
@@ -399,7 +439,12 @@ class Track(OfCamera):
         return load_calibration(self.calibration)
 
     def _follow_points(self, robot: lc.Robot) -> BodyTrack:
-        points = read_points(self.file, frame_rate=self.frame_rate, individual=self.individual)
+        points = read_points(
+            self.file,
+            frame_rate=self.frame_rate,
+            individual=self.individual,
+            likelihood_floor=self.likelihood_floor,
+        )
         distance_of = _read_distances(self.along, points.names)
         chosen = points.only(tuple(distance_of))
         places = places_at(list(distance_of.values()))

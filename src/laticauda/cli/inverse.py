@@ -1,5 +1,6 @@
 """`laticauda inverse`: from points tracked in a film to forces, power and efficiency with intervals."""
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -27,13 +28,16 @@ from laticauda.film.forces import (
     summarize,
     write_page,
 )
+from laticauda.robot import robot_names
 from laticauda.scenarios import environment_of
 from laticauda.show.figures import save_figure
 from laticauda.trials import Format
-from laticauda.values import BadArgument, option, quantity, to_plain, value_class
+from laticauda.values import BadArgument, option, quantity, suggest_nearest, to_plain, value_class
 
 ANIMALS = {"eel": build_eel, "fish": build_fish}
 """Bodies that need only a length."""
+EQUAL_LENGTHS = 0.01
+"""Relative difference of two lengths that count as equal [-]."""
 DIGITS = 3
 """Significant digits of the figures."""
 
@@ -123,7 +127,7 @@ class Inverse(Command):
     def _load_robot(self) -> lc.Robot:
         build = ANIMALS.get(self.robot)
         if build is None:
-            robot = lc.load_robot(self.robot)
+            robot = self._load_named()
             if self.length is not None or self.mass is not None:
                 rule = "must be left out unless `robot` is eel or fish"
                 raise BadArgument("length", f"{rule}: `{self.robot}` has its own")
@@ -132,9 +136,21 @@ class Inverse(Command):
             raise BadArgument("length", f"must be given for a body of the kind {self.robot}")
         return build(self.length, mass=self.mass)
 
+    def _load_named(self) -> lc.Robot:
+        """Return a preset or the robot of a file; a message about a wrong name lists the bodies, too."""
+        names = (*ANIMALS, *robot_names())
+        if self.robot not in names and not self.robot.endswith(".toml"):
+            listed = ", ".join(f"`{name}`" for name in names)
+            hint = suggest_nearest(self.robot, names)
+            rule = f"must be one of {listed}, or a file *.toml, got {self.robot!r}{hint}"
+            raise BadArgument("robot", rule)
+        return lc.load_robot(self.robot)
+
     def _load_points(self) -> TrackedPoints:
         if self._is_trial:
-            return points_of_trial(lc.load_trial(self.file))
+            trial = lc.load_trial(self.file)
+            self._check_body(trial)
+            return points_of_trial(trial)
         if Path(self.file).suffix.lower() in FILM_ENDINGS:
             raise BadArgument(
                 "file",
@@ -150,6 +166,18 @@ class Inverse(Command):
             rule = "must be given for points in px, or a --calibration"
             raise BadArgument("pixels_per_meter", rule)
         return points
+
+    def _check_body(self, trial: lc.Trial) -> None:
+        """Reject a body that is not that of the trial: its joints would sit elsewhere."""
+        chain = self._load_robot().planar()
+        measured = trial.chain
+        is_same_length = math.isclose(chain.length, measured.length, rel_tol=EQUAL_LENGTHS)
+        if chain.n_links == measured.n_links and is_same_length:
+            return
+        rule = f"must be as long as what swam in the trial, `{measured.name}`"
+        theirs = f"{measured.n_links} links, {measured.length:.4g} m"
+        ours = f"{chain.n_links} links, {chain.length:.4g} m"
+        raise BadArgument("robot", f"{rule}: {theirs}, got {ours}")
 
     @property
     def _is_trial(self) -> bool:

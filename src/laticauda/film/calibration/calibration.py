@@ -170,8 +170,13 @@ def calibrate_by_ruler(
         length_deviation: That of the distance [m].
 
     Raises:
-        ValueError: If they are less than 10 px apart, or the length is not > 0.
+        ValueError: If they are less than 10 px apart or not in the picture, or the length is not > 0.
     """
+    for name, point in (("begin", begin), ("end", end)):
+        if not np.all((0.0 <= np.array(point)) & (np.array(point) <= image_size)):
+            width, height = image_size
+            rule = f"must be in the picture, which is {width} by {height} px"
+            raise BadArgument(name, f"{rule}, got {point[0]:g}, {point[1]:g}")
     distance = float(np.hypot(end[0] - begin[0], end[1] - begin[1]))
     if distance < SHORTEST_RULER:
         raise BadArgument(

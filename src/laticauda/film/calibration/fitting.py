@@ -457,6 +457,9 @@ def _with_deviations(
         remainders.append(difference.remainder)
         scales_of_quarters = _compare_quarters(expected, places, is_usable)
         scales += scales_of_quarters or [difference.scale]
+    if not scales:
+        rule = "must be a plane that the camera sees where the marks are: below it, and not beyond the horizon"
+        raise BadArgument("plane_height", f"{rule}, got {calibration.plane_height:g} m")
     errors_of_scale = np.array(scales) - 1.0
     return replace(
         calibration,

@@ -117,8 +117,12 @@ def propose_layout(
         dictionary: Set of tags.
 
     Raises:
-        ValueError: If there are fewer than 4 tags, or a tag is larger than its link.
+        ValueError: If there are fewer than 4 tags, they would lie on each other, or a tag is larger
+            than its link.
     """
+    if min(area) <= floor_size:
+        rule = f"must be longer and wider than a tag, {floor_size:g} m"
+        raise BadArgument("area", f"{rule}, got {area[0]:g} by {area[1]:g} m")
     if not FEWEST_FLOOR_TAGS <= n_floor_tags <= FIRST_ON_LINKS:
         rule = f"must be between {FEWEST_FLOOR_TAGS} and {FIRST_ON_LINKS}"
         raise BadArgument("n_floor_tags", f"{rule}, got {n_floor_tags}")

@@ -16,6 +16,7 @@ from laticauda.trials.logs import (
     TimeColumn,
     build_measured_trial,
 )
+from laticauda.values import BadArgument
 from laticauda.values.tables import Table
 
 X, Y, YAW, TIME = "x", "y", "heading", "time"
@@ -49,7 +50,7 @@ def build_trial(
     Raises:
         ValueError: If a gap is longer, or the motion is none of this robot.
     """
-    begin, end = _seen_from_to(track)
+    begin, end = _span_of_trial(track, start, stop)
     joint_angle = kinematics.joint_angles(track.link_angle)
     columns: dict[str, np.ndarray | str] = {
         TIME: track.time,
@@ -66,8 +67,8 @@ def build_trial(
         robot=robot,
         environment=environment,
         gait=gait,
-        start=max(begin, start or begin),
-        stop=min(end, stop or end),
+        start=begin,
+        stop=end,
         longest_gap=longest_gap,
         smoothing=smoothing,
         time=TimeColumn(column=TIME),
@@ -86,6 +87,24 @@ def _gait_seen(trial: Trial) -> Gait:
     if not np.any(trial.joint_angle):
         return lateral_undulation(amplitude=0.0, frequency=0.0, phase_shift=0.0)
     return recorded_gait(JointAngles.of(trial))
+
+
+def _span_of_trial(
+    track: BodyTrack, start: float | None, stop: float | None
+) -> tuple[float, float]:
+    """Return when a trial begins and ends: as asked for, within the time in which the body was seen [s]."""
+    begin, end = _seen_from_to(track)
+    if start is not None:
+        if start >= end:
+            rule = f"must be before the body was last seen, at {end:.4g} s"
+            raise BadArgument("start", f"{rule}, got {start:g} s")
+        begin = max(begin, start)
+    if stop is not None:
+        if stop <= begin:
+            rule = f"must be after the trial begins, at {begin:.4g} s"
+            raise BadArgument("stop", f"{rule}, got {stop:g} s")
+        end = min(end, stop)
+    return begin, end
 
 
 def _seen_from_to(track: BodyTrack) -> tuple[float, float]:
