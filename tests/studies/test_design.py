@@ -181,6 +181,17 @@ def test_a_step_of_lengths_has_a_multiple_within_the_bounds(bounds, step):
         )
 
 
+def test_a_step_of_lengths_is_refused_where_no_length_varies():
+    message = r"`length_step` must be left out if no length of a module varies, got 0.001 m"
+    with pytest.raises(ValueError, match=message):
+        Optimization(
+            scenario=SCENARIO,
+            bounds={"gait.frequency": (1.0, 2.0)},
+            objectives="forward_velocity",
+            length_step=0.001,
+        )
+
+
 def test_tapered_lengths_are_no_multiples_of_a_step():
     with pytest.raises(ValueError, match=r"`length_step` must be left out if lengths are tapered"):
         Optimization(

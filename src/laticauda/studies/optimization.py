@@ -161,6 +161,9 @@ class Optimization(Limits):
             if name.startswith(TAPER_OF_LENGTHS):
                 rule = f"must be left out if lengths are tapered (`{name}`): they are no multiples then"
                 raise BadArgument("length_step", f"{rule}, got {self.length_step:g} m")
+        if not np.any(self.is_length):
+            rule = "must be left out if no length of a module varies"
+            raise BadArgument("length_step", f"{rule}, got {self.length_step:g} m")
         for name, is_length, low, high in zip(
             self.names, self.is_length, *self._bound_arrays(), strict=True
         ):

@@ -1,8 +1,10 @@
+import re
 from dataclasses import fields, replace
 
 import pytest
 
 import laticauda as lc
+from laticauda.control import PhaseOscillators
 from laticauda.models.simulate import list_parameters
 from laticauda.models.simulate.numbers import change_parameters, look_up, value_of
 from laticauda.robot import Water
@@ -176,3 +178,33 @@ def test_one_of_several_modules_goes_by_its_number_from_the_tail():
     assert [joint.stiffness for joint in other.joints] == [0.1] + [0.0] * 7
     assert value_of(name, after) == 2.5
     assert value_of(name, scenario) == WATER.normal_drag
+
+
+NETWORK = lc.build_scenario("mamba", PhaseOscillators(gait=GAIT), 2.0, joints="servo")
+
+
+@pytest.mark.parametrize(
+    ("scenario", "name", "hint"),
+    [
+        (NETWORK, "controller.couplng", "; the nearest are `controller.coupling`"),
+        (
+            NETWORK,
+            "controller.feedback.presure",
+            "; the nearest are `controller.feedback.pressure`",
+        ),
+        (NETWORK, "joints.gan", ""),
+        (SCENARIO, "controller.coupling", ""),
+        (SCENARIO, "water.normal_drg", "; the nearest are `water.normal_drag`"),
+        (SCENARIO, "ground.friction", ""),
+        (SCENARIO, "foo.bar", ""),
+        (SCENARIO, "robot", ""),
+    ],
+)
+def test_a_name_that_leads_nowhere_is_refused_and_never_ignored(scenario, name, hint):
+    for argument, use in (
+        ("values", lambda: change_parameters(scenario, {name: 1.0})),
+        ("names", lambda: value_of(name, scenario)),
+    ):
+        with pytest.raises(ValueError, match=re.escape(f"got '{name}'{hint}")) as caught:
+            use()
+        assert str(caught.value).startswith(f"`{argument}` must name numbers of")

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from laticauda.control import PhaseOscillators
 from laticauda.motion.joints import JointLaw
 from laticauda.robot import Robot, Water
+from laticauda.values import name_of
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,13 +38,22 @@ class FarmsAnimat:
         lines = [self.robot.words]
         lines.append(f"modules, tail first: {links}")
         lines.append(f"joints, tail first: {joint_names}")
-        lines.append(f"joint law: {self.joints!r}")
+        lines.append(f"joint law: {_describe_law(self.joints)}")
         lines.append(f"network: {_describe(self.network)}")
         if self.robot_with_drag is not None:
             lines.append("drag of FARMS: on `robot_with_drag`, for `water`")
         lines.append("not taken, or not as it is:")
         lines += [f"- {remark}" for remark in self.left_out]
         return "\n".join(lines)
+
+
+def _describe_law(law: JointLaw) -> str:
+    """Return a joint law in a line: the name that `--joints` takes, and its numbers."""
+    parts = [name_of(type(law))]
+    for name, value in vars(law).items():
+        if isinstance(value, float):
+            parts.append(f"{name} {value:.4g}")
+    return ", ".join(parts)
 
 
 def _describe(network: PhaseOscillators | None) -> str:

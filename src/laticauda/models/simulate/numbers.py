@@ -14,7 +14,7 @@ a custom joint law, and `controller` those of a controller, apart from its gait:
 """
 
 import difflib
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any, cast
 
@@ -450,11 +450,33 @@ def change_parameters(scenario: Scenario, values: Mapping[str, float]) -> Scenar
         values: New values by parameter name; all names must be known.
 
     Raises:
-        ValueError: If a value is out of its range, or the values are incompatible.
+        ValueError: If a name is not known, a value is out of its range, or the values are incompatible.
     """
     changes = nest_by_step(values)
     if not changes:
         return scenario
+    if not set(_roots_of(scenario)).issuperset(changes):
+        _look_up_all(values, scenario, "values")
+    try:
+        return _change(scenario, changes)
+    except MISSES:
+        _look_up_all(values, scenario, "values")
+        raise
+
+
+MISSES = (AttributeError, IndexError, TypeError)
+"""What a name that leads nowhere ends in; looking names up beforehand would take longer than the change."""
+
+
+def _look_up_all(names: Iterable[str], scenario: Scenario, argument: str) -> None:
+    """Reject the first name that is none of a parameter of the scenario, with similar ones."""
+    known = list_parameters(scenario)
+    for name in names:
+        look_up(name, known, argument)
+
+
+def _change(scenario: Scenario, changes: Changes) -> Scenario:
+    """Return a scenario with changes of its parts."""
     robot = scenario.robot
     robot_changes = dict(changes.get("robot", {}))
     if "n_links" in robot_changes:
@@ -509,8 +531,17 @@ def value_of(name: str, scenario: Scenario, argument: str = "names") -> float:
         argument: Argument that holds the names, for error messages.
 
     Raises:
-        ValueError: If it differs among the modules or joints that it stands for, or is None.
+        ValueError: If it is not known, differs among the modules or joints that it stands for, or is None.
     """
+    try:
+        return _value_of(name, scenario, argument)
+    except MISSES:
+        _look_up_all([name], scenario, argument)
+        raise
+
+
+def _value_of(name: str, scenario: Scenario, argument: str) -> float:
+    """Return the value of a parameter in a scenario."""
     root, *steps = name.split(".")
     environment = scenario.environment
     values: list[Any] = [_root_object(scenario, root)]
