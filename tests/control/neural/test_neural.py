@@ -112,6 +112,16 @@ def test_what_cannot_steer_or_pace_a_network_is_refused(changes, message):
     assert message in str(refusal.value)
 
 
+def test_a_robot_with_pitch_joints_is_refused_by_its_name():
+    robot = lc.load_robot("mamba-modules")
+    message = (
+        r"`robot` must have yaw joints only .*, got `mamba-modules` with pitch joints; in the plane"
+    )
+    with pytest.raises(ValueError, match=message):
+        PhaseOscillators(gait=GAIT).check(robot)
+    PhaseOscillators(gait=GAIT).check(robot.planar())
+
+
 def test_a_robot_without_joints_is_refused():
     with pytest.raises(ValueError, match="`robot` must have joints to be moved by neurons, got"):
         lc.swim(lc.load_robot("chain", n_links=1), PhaseOscillators(gait=GAIT), 1.0, joints="pd")

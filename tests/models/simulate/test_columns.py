@@ -156,7 +156,15 @@ def test_swim_many_with_columns_is_swim_many_with_scenarios(monkeypatch):
     [
         ({}, "`columns` must hold at least one parameter, got none"),
         ({"gait.amplitud": [0.1]}, r"`columns` must name numbers of .*`gait.amplitude`"),
-        ({"gait.amplitude": [0.1], "gait.offset": [0.1, 0.2]}, "`columns` must be of equal length"),
+        (
+            {"gait.amplitude": [0.1], "gait.offset": [0.1, 0.2]},
+            "`columns` must be flat lists of equal length",
+        ),
+        ({"gait.amplitude": [[0.1, 0.2]]}, "`columns` must be flat lists of equal length"),
+        (
+            {"gait.amplitude": [0.1, "b"]},
+            "`columns` must hold a list of numbers for every name, got .* for `gait.amplitude`",
+        ),
         (
             {"gait.amplitude": [0.1, -0.2]},
             "`amplitude` must be between 0 and 3.14159 rad, got -0.2",
@@ -168,6 +176,13 @@ def test_swim_many_with_columns_is_swim_many_with_scenarios(monkeypatch):
 def test_columns_that_cannot_be_swum_are_named(columns, message):
     with pytest.raises(ValueError, match=message):
         lc.swim_many(SHORT, columns=columns)
+
+
+def test_a_scenario_alone_needs_columns():
+    with pytest.raises(
+        ValueError, match="must be a list of scenarios, or a scenario with `columns`"
+    ):
+        lc.swim_many(SHORT)
 
 
 def test_columns_need_a_scenario_alone():

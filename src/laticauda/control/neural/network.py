@@ -162,7 +162,9 @@ class NeuralGait(Controller[NetworkState[Neurons]], Generic[Neurons]):
         if not robot.joints:
             raise BadArgument("robot", f"must have joints to be moved by neurons, got {robot.name}")
         if any(joint.axis != "yaw" for joint in robot.joints):
-            raise BadArgument("robot", "must have yaw joints only to be moved by neurons")
+            rule = "must have yaw joints only to be moved by neurons"
+            advice = "in the plane (model `planar`) those of its yaw joints alone count"
+            raise BadArgument("robot", f"{rule}, got `{robot.name}` with pitch joints; {advice}")
         last = robot.n_joints - 2
         for cut in self.cuts:
             if not 0 <= cut <= last:

@@ -189,6 +189,9 @@ def swim_many(
                 "columns", "must be given with a scenario alone, and nothing to change it"
             )
         return _swim_columns(robots, columns, requested, threads=threads, progress=progress)
+    if isinstance(robots, Scenario):
+        rule = "must be a list of scenarios, or a scenario with `columns` of numbers that differ"
+        raise BadArgument("robots", f"{rule}, got one without")
     scenarios = scenarios_of_batch(
         cast(Any, robots),
         gaits,

@@ -26,7 +26,7 @@ from laticauda.models.simulate.numbers import (
 )
 from laticauda.motion.gaits import Gait
 from laticauda.scenarios import Command, Scenario
-from laticauda.values import BadArgument, check_instance, check_not_empty
+from laticauda.values import BadArgument, check_instance, check_not_empty, show_value
 
 Columns = Mapping[str, Any]
 """Values by the name of a parameter, one per run."""
@@ -195,15 +195,24 @@ def check_columns(scenario: Scenario, columns: Columns) -> dict[str, Float[np.nd
     arrays: dict[str, np.ndarray] = {}
     for name, values in columns.items():
         parameter = look_up(name, parameters, "columns")
-        arrays[name] = np.asarray(values, dtype=float)
+        arrays[name] = _as_numbers(name, values)
         check_whole(parameter, arrays[name])
     check_disjoint(arrays, "columns")
     shapes = {name: values.shape for name, values in arrays.items()}
     if len(set(shapes.values())) > 1 or any(len(shape) != 1 for shape in shapes.values()):
         listed = ", ".join(f"{shape} of {name}" for name, shape in shapes.items())
-        raise BadArgument("columns", f"must be of equal length, got the shapes {listed}")
+        raise BadArgument("columns", f"must be flat lists of equal length, got the shapes {listed}")
     check_not_empty("columns", next(iter(arrays.values())), "value")
     return arrays
+
+
+def _as_numbers(name: str, values: object) -> np.ndarray:
+    """Return a column as an array of numbers."""
+    try:
+        return np.asarray(values, dtype=float)
+    except (TypeError, ValueError):
+        rule = "must hold a list of numbers for every name"
+        raise BadArgument("columns", f"{rule}, got {show_value(values)} for `{name}`") from None
 
 
 def scenarios_of_extremes(
