@@ -249,6 +249,16 @@ def test_a_film_that_cannot_be_made_is_refused_before_the_run(run, monkeypatch):
     )
 
 
+@pytest.mark.parametrize(
+    "command", ["swim --duration 1", "follow --duration 1", "trial show run.nc"]
+)
+@pytest.mark.parametrize("option", ["--from 0.5", "--size 128 72", "--camera top"])
+def test_options_of_a_film_without_a_film_are_refused(swum, command, option):
+    done = swum(f"{command} {option}")
+    message = "--size, --fps, --from, --to and --camera must be given together with --video."
+    assert (done.status, done.err.splitlines()[-1]) == (2, f"laticauda: {message}")
+
+
 def test_without_a_screen_the_message_says_what_to_do_instead(swum, monkeypatch):
     monkeypatch.setattr(window.platform, "system", lambda: "Linux")
     for name in ("DISPLAY", "WAYLAND_DISPLAY"):

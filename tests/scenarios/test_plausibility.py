@@ -235,6 +235,8 @@ WRONG: dict[str, tuple[Callable[[], lc.Scenario], str, str]] = {
         "11.1 cycles per second; did you mean frequency_deg_s=70?",
     ),
     "a frequency of 130": (lambda: gait(frequency=130.0), WARNED, "frequency_deg_s=130?"),
+    "130 Hz": (lambda: gait(frequency=130.0 * math.tau), REFUSED, "frequency_deg_s=130?"),
+    "20 Hz": (lambda: gait(frequency=20.0 * math.tau), WARNED, "frequency_deg_s=20?"),
     "a frequency of 40": (lambda: gait(frequency=40.0), WARNED, "frequency_deg_s=40?"),
     "a frequency of 1000": (lambda: gait(frequency=1000.0), REFUSED, "100 cycles per second"),
     "a frequency in Hz": (

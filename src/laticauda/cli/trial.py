@@ -50,6 +50,10 @@ class View(Filming):
         facts = {"file": self.file, "video": self.video, "still": self.still}
         return command.Outcome(facts=facts, text=self._describe_result(trial))
 
+    def draws_robot(self) -> bool:
+        """Return whether anything is written for which size and camera count: a film, or a picture."""
+        return self.video is not None or self.still is not None
+
     def _write_still(self, trial: lc.Trial, beside: Sequence[lc.Trial]) -> None:
         """Write the picture if requested."""
         if self.still is None:

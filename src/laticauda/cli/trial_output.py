@@ -8,7 +8,7 @@ import laticauda as lc
 from laticauda.cli import report
 from laticauda.cli.command import Command, Outcome
 from laticauda.cli.first_screen import first_screen
-from laticauda.cli.flag_types import PictureOutput, TrialOutput, VideoOutput
+from laticauda.cli.flag_types import BadFlag, PictureOutput, TrialOutput, VideoOutput
 from laticauda.cli.output_files import TABLE_ENDING, list_whole_endings
 from laticauda.cli.progress import film_bar
 from laticauda.show import figures
@@ -23,6 +23,17 @@ class Filming(Command):
     video: VideoOutput = option("Write a 3D film of the run (.mp4)", default=None)
     film: Film = option("Content and size of the film", default=Film())
 
+    def draws_robot(self) -> bool:
+        """Return whether anything is written for which size, times and camera of a film count."""
+        return self.video is not None
+
+    def check_film_options(self) -> None:
+        """Reject options of a film that would do nothing."""
+        if self.film != Film() and not self.draws_robot():
+            raise BadFlag(
+                "--size, --fps, --from, --to and --camera must be given together with --video."
+            )
+
     def write_film(
         self, trial: lc.Trial, speed: float = 1.0, beside: Sequence[lc.Trial] = ()
     ) -> None:
@@ -33,6 +44,7 @@ class Filming(Command):
             speed: Playback speed relative to real time [-].
             beside: Trials of other robots in the same scene.
         """
+        self.check_film_options()
         if self.video is None:
             return
         from laticauda.show.pictures import render_film

@@ -65,7 +65,7 @@ def _judge_phase_shift(name: str, shift: float) -> Iterator[Doubt]:
 
 def _judge_frequency(name: str, frequency: float) -> Iterator[Doubt]:
     cycles = frequency / HZ
-    in_degrees = f"; did you mean frequency_deg_s={frequency:.4g}?"
+    in_degrees = _suggest_degrees(frequency)
     if cycles > IMPOSSIBLE_FREQUENCY:
         yield must_be(name, "<= 628 rad/s, 100 cycles per second", frequency, in_degrees)
     elif cycles > FASTEST:
@@ -78,10 +78,24 @@ def _judge_frequency(name: str, frequency: float) -> Iterator[Doubt]:
         yield hardly_is(name, frequency, "rad/s", f"is one cycle in {1.0 / cycles:.3g} s", hint)
 
 
+def _suggest_degrees(frequency: float) -> str:
+    """Return the end of a rule for a fast frequency: the number that was given, as one in deg/s."""
+    cycles = frequency / HZ
+    given = frequency
+    if _is_whole(cycles):  # it was given in Hz
+        given = cycles
+    elif _is_whole(math.degrees(frequency)):  # it was given in deg/s
+        return ""
+    return f"; did you mean frequency_deg_s={given:.4g}?"
+
+
+def _is_whole(number: float) -> bool:
+    return math.isclose(number, round(number), rel_tol=ROUNDING)
+
+
 def _was_converted(frequency: float) -> bool:
     """Return whether a slow frequency is a whole number of deg/s: it was given so, and not in Hz."""
-    degrees = math.degrees(frequency)
-    return frequency >= SLOWEST_IN_HZ and math.isclose(degrees, round(degrees), rel_tol=ROUNDING)
+    return frequency >= SLOWEST_IN_HZ and _is_whole(math.degrees(frequency))
 
 
 def judge_gait_of_robot(robot: Robot, gait: Gait) -> Iterator[Doubt]:
@@ -100,5 +114,5 @@ def judge_gait_of_robot(robot: Robot, gait: Gait) -> Iterator[Doubt]:
     if rate > TIMES_NO_LOAD * slowest:
         ratio = rate / slowest
         remark = f"lets joints turn at {rate:.3g} rad/s, {ratio:.2g} times the no-load speed of the servos"
-        hint = f"; did you mean frequency_deg_s={frequency:.4g}?"
+        hint = _suggest_degrees(frequency)
         yield hardly_is("frequency", frequency, "rad/s", remark, hint)
