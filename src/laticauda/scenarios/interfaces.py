@@ -397,8 +397,8 @@ def decide(
     return next_state, command
 
 
-def _is_pair(value: object) -> TypeGuard[tuple[Any, Any]]:
-    return isinstance(value, tuple) and len(cast(tuple[object, ...], value)) == 2
+def _is_pair(decision: object) -> TypeGuard[tuple[Any, Any]]:
+    return isinstance(decision, tuple) and len(cast(tuple[object, ...], decision)) == 2
 
 
 @value_class

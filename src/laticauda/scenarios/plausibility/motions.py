@@ -81,16 +81,16 @@ def _judge_frequency(name: str, frequency: float) -> Iterator[Doubt]:
 def _suggest_degrees(frequency: float) -> str:
     """Return the end of a rule for a fast frequency: the number that was given, as one in deg/s."""
     cycles = frequency / HZ
-    given = frequency
+    typed_frequency = frequency
     if _is_whole(cycles):  # it was given in Hz
-        given = cycles
+        typed_frequency = cycles
     elif _is_whole(math.degrees(frequency)):  # it was given in deg/s
         return ""
-    return f"; did you mean frequency_deg_s={given:.4g}?"
+    return f"; did you mean frequency_deg_s={typed_frequency:.4g}?"
 
 
-def _is_whole(number: float) -> bool:
-    return math.isclose(number, round(number), rel_tol=ROUNDING)
+def _is_whole(frequency: float) -> bool:
+    return math.isclose(frequency, round(frequency), rel_tol=ROUNDING)
 
 
 def _was_converted(frequency: float) -> bool:
