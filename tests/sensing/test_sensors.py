@@ -257,3 +257,9 @@ def test_an_altimeter_measures_to_the_bed_and_a_contact_sensor_what_touches():
     assert first.readings["contact"].values[0] == 0.0
     assert max(o.readings["contact"].values[0] for o in watching.observations) > 0.2
     assert last.readings["contact"].time == pytest.approx(last.time)
+
+
+@pytest.mark.parametrize("name", ["", "a b", "north-compass", "2nd"])
+def test_a_name_that_no_column_of_a_log_can_begin_with_is_refused_before_the_run(name):
+    with pytest.raises(ValueError, match=rf"`sensors\[1\].name` must consist of letters.*'{name}'"):
+        lc.Planar(sensors=(DepthGauge(), Compass(name=name)))

@@ -53,6 +53,14 @@ def check_names(argument: str, named: Sequence[Sensor] | Sequence[Place]) -> Non
             raise BadArgument(argument, f"must have different names, got `{name}` twice")
 
 
+def _check_names_in_log(sensors: Sequence[Sensor]) -> None:
+    """Reject names of sensors with which those of their columns in the log could not begin."""
+    for index, sensor in enumerate(sensors):
+        if not isinstance(sensor, Unknown) and not sensor.name.isidentifier():
+            rule = "must consist of letters, digits and underscores, and begin with no digit"
+            raise BadArgument(f"sensors[{index}].name", f"{rule}, got {sensor.name!r}")
+
+
 @value_class
 class _Model:
     """Common fields of both models."""
@@ -93,6 +101,7 @@ class _Model:
     def __post_init__(self) -> None:
         """Reject references that jump unless the joints can follow jumps, and things of the same name."""
         check_names("sensors", self.sensors)
+        _check_names_in_log(self.sensors)
         check_names("places", self.places)
         may_take_jumps = self.joints.takes_jumps or isinstance(self.joints, Unknown)
         if self.offset_bandwidth == NO_FILTER and not may_take_jumps:
