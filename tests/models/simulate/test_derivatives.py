@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import laticauda as lc
-from laticauda.models.planar import reverse, rows
+from laticauda.compiling.pullbacks import NotTraceable
+from laticauda.models.planar import pullbacks, reverse, rows
 from laticauda.models.simulate import (
     batch_scenarios,
     build_plant,
@@ -254,6 +255,17 @@ def test_laws_and_waters_that_cannot_go_backward_are_differentiated_forward():
         assert reverse.find_obstacle(build_plant(FINNED, water)) is not None
     assert reverse.find_obstacle(build_plant(FINNED, WATER, joints="pd")) is not None
     assert reverse.find_obstacle(build_plant(FINNED, WATER)) is None
+
+
+def test_a_fault_in_a_formula_of_the_model_is_not_blamed_on_the_drag_law(monkeypatch):
+    def fail(formulas):
+        raise NotTraceable("The formula branches.")
+
+    monkeypatch.setattr(pullbacks, "_written", {})
+    monkeypatch.setattr(pullbacks, "_write_of_waves", fail)
+    plant = build_plant(FINNED, WATER)
+    with pytest.raises(NotTraceable, match="The formula branches"):
+        reverse.find_obstacle(plant)
 
 
 @pytest.mark.usefixtures("limit_case")

@@ -24,6 +24,7 @@ from laticauda.models.planar.batch import (
 )
 from laticauda.models.planar.model import TEMPLATES, PlanarPlant
 from laticauda.values import Formula
+from laticauda.water.fluid import PolynomialDrag
 
 SEGMENT = 1000
 """Steps between two states that are kept of a run: most runs are a single segment, of which everything is kept."""
@@ -55,8 +56,12 @@ def find_obstacle(plant: PlanarPlant) -> str | None:
 
     Args:
         plant: The plant.
+
+    Raises:
+        NotTraceable: If a formula of the model itself does more than arithmetic.
     """
     from laticauda.compiling.pullbacks import NotTraceable
+    from laticauda.models.planar.pullbacks import write_pullbacks
 
     if plant.is_implicit:
         return "its joints are driven, or its fin bends"
@@ -65,6 +70,8 @@ def find_obstacle(plant: PlanarPlant) -> str | None:
     try:
         specialize(WIDTH, plant.law.formula)
     except NotTraceable as error:
+        # A fault in a formula of the model is no fault of the law: it shows with a law of mere arithmetic, too.
+        write_pullbacks(PolynomialDrag().formula)
         return f"its drag law is no mere arithmetic: {error}"
     return None
 
