@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from laticauda.models.dynamics import semi_implicit, stages
+from laticauda.models.dynamics import bounds, semi_implicit
 from laticauda.models.dynamics.shared_laws import SHARED_LAWS
 from laticauda.models.planar import number_types, rows, sample_format
 from laticauda.motion.joints import laws as joint_laws
@@ -134,14 +134,13 @@ def python_kernels(law=None):
         "Element": laws.Element,
         "MOTION": laws.MOTION,
         "reference": __import__("laticauda.motion.gaits.reference", fromlist=["reference"]),
-        "stages": stages,
         "sample_format": sample_format,
         "number_types": number_types,
         "semi_implicit": semi_implicit,
         "OWN_DRIVEN": joint_laws.OWN_DRIVEN,
         "PD_DRIVEN": joint_laws.PD_DRIVEN,
-        "FARTHEST": stages.FARTHEST,
-        "STRONGEST": stages.STRONGEST,
+        "FARTHEST": bounds.FARTHEST,
+        "STRONGEST": bounds.STRONGEST,
         **{name: value for name, value in vars(semi_implicit).items() if name.isupper()},
         "lane_types": SimpleNamespace(rows_of=lambda width: same),
     }

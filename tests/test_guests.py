@@ -65,7 +65,7 @@ LEFT_OUT = {
             "stepping",
         )
     ),
-    *(f"laticauda.models.spatial.{name}" for name in ("drives", "stepping")),
+    *(f"laticauda.models.spatial.{name}" for name in ("driven", "drives", "stepping")),
     "laticauda.models.simulate.harvest",
     "laticauda.water.mujoco.law_entry",
 }

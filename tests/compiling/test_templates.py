@@ -6,6 +6,7 @@ import pytest
 from kernels import copy_source
 
 from laticauda.models.planar.model import TEMPLATES, specialize
+from laticauda.models.spatial.twin import TEMPLATES as SPATIAL_TEMPLATES
 from laticauda.values.sources import PACKAGE, closure, digest_of
 from laticauda.water.fluid.flow import rows_of
 from laticauda.water.fluid.laws import TotalSpeedDrag
@@ -15,7 +16,7 @@ from laticauda.water.fluid.waves import Waves
 PLANAR = tuple(f"laticauda.models.planar.{name}" for name in TEMPLATES)
 MADE_OF = [
     PLANAR,
-    ("laticauda.models.spatial.drives", "laticauda.models.spatial.stepping"),
+    tuple(f"laticauda.models.spatial.{name}" for name in SPATIAL_TEMPLATES),
     ("laticauda.water.mujoco.callback",),
     ("laticauda.connect.native.machine_code",),
 ]

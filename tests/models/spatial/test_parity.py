@@ -13,17 +13,17 @@ from laticauda.water.fluid.laws import PolynomialDrag, TotalSpeedDrag
 
 campaign = campaign_scripts.campaign("parity")
 parity, CASES = campaign.parity, campaign.CASES
-STEPS = {"prescribed": (0.05, 0.025), "pd": (0.004, 0.002), "servo": (0.004, 0.002)}
+STEPS = {"prescribed": (0.05, 0.025), "pd": (0.016, 0.008), "servo": (0.016, 0.008)}
 
 
 @pytest.mark.parametrize("joints", STEPS)
 @pytest.mark.parametrize("name", CASES)
 def test_the_difference_is_small_and_falls_with_the_step(name: str, joints: str):
     coarse, fine = parity(CASES[name], joints, STEPS[joints], duration=4.0)
-    assert fine.path < (1e-4 if joints == "prescribed" else 3e-3)
-    assert fine.path < coarse.path / (10.0 if joints == "prescribed" else 2.5)
+    assert fine.path < 3e-5
+    assert fine.path < coarse.path / (10.0 if joints == "prescribed" else 1.4)
     assert fine.richardson is not None
-    assert fine.richardson < 1e-3
+    assert fine.richardson < 3e-5
     assert fine.heading < 1e-3
 
 

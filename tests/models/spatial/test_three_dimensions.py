@@ -9,6 +9,7 @@ import pytest
 import laticauda as lc
 from laticauda.models.simulate import build_plant, resume, run
 from laticauda.models.spatial.scene import Shore
+from laticauda.scenarios import ORIENTATION
 from laticauda.scenarios.interfaces import Command, OpenLoop, Start
 from laticauda.show.pictures.lines import dash_path
 from laticauda.water.fluid.laws import CoulombFriction
@@ -43,6 +44,20 @@ def crawl(gait, duration, ground=SMOOTH, **settings):
         duration,
         throw=True,
     )
+
+
+# ---- steps ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("joints", "accuracy"), [("prescribed", 1e-6), ("pd", 5e-5)])
+def test_a_robot_that_pitches_and_rolls_is_where_small_steps_bring_it(joints, accuracy):
+    gait = replace(YAW, pitch=replace(WAVE, amplitude=0.2, phase_shift=0.5))
+    dt = build_plant(ROBOT, WATER, model="spatial", joints=joints).dt
+    usual, exact = (swim(gait, 4.0, joints=joints, dt=dt / divisor) for divisor in (1, 8))
+    assert np.abs(exact.signals["orientation_x"]).max() > 0.05
+    np.testing.assert_allclose(usual.center_of_mass, exact.center_of_mass, atol=accuracy)
+    for signal in ORIENTATION:
+        np.testing.assert_allclose(usual.signals[signal], exact.signals[signal], atol=accuracy)
 
 
 # ---- swimming ------------------------------------------------------------------------------------

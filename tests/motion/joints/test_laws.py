@@ -5,6 +5,7 @@ from hypothesis import assume, given, strategies as st
 
 from laticauda.motion import joints as actuation
 from laticauda.motion.joints import Drive, motor_power
+from laticauda.motion.joints.laws import joint_powers
 from laticauda.robot import Actuator
 
 angles = st.floats(-1.5, 1.5)
@@ -168,6 +169,11 @@ def test_a_motor_draws_its_stall_power_when_blocked_and_nothing_without_torque_o
         assert motor_power(torque, rate, stall, SPEED, 0.0, 0.0, 34.0) == pytest.approx(
             expected, abs=1e-12
         )
+
+
+def test_powers_are_the_size_the_signed_and_the_positive_one():
+    assert joint_powers(2.0, -3.0) == (6.0, -6.0, 0.0)
+    assert joint_powers(2.0, 3.0) == (6.0, 6.0, 6.0)
 
 
 def test_mambas_servo_does_not_create_energy():

@@ -2,9 +2,8 @@
 
 - `plant`: base of their plants; `samples`: states and samples of plants.
 - `school`: base of their schools, many robots side by side.
-- `joint_table`, `stages`, `semi_implicit`: the joints in their kernels, and the formulas of implicit
-  time steps, in space and in the plane.
-- `shared_laws`: the scalar laws that the kernels of both call.
+- `joint_table`, `semi_implicit`: the joints in their kernels, and the method of steps with driven ones.
+- `shared_laws`: the scalar laws that the kernels of both call; `bounds`: where a run has diverged.
 """
 
 from typing import TYPE_CHECKING

@@ -46,6 +46,23 @@ PARTS_PER_HALVING = 4
 N_PARTS = 1 + N_HALVINGS * PARTS_PER_HALVING
 """Parts of the first step."""
 
+CLOSE = 1e-6
+"""Shares of a step that are nothing."""
+
+
+def count_parts(time: float, dt: float) -> int:
+    """Return into how many parts a step is divided: more than one soon after time 0 (`length_of_part`).
+
+    Args:
+        time: Time at its begin [s].
+        dt: The step [s].
+    """
+    if time >= PARTS_PER_HALVING * dt:
+        return 1
+    if time == 0.0:
+        return N_PARTS
+    return 1 + int(PARTS_PER_HALVING * dt / time - CLOSE)
+
 
 def length_of_part(part: int, n_parts: int, dt: float) -> float:
     """Return the length of a part of a step [s].
@@ -68,3 +85,14 @@ def length_of_part(part: int, n_parts: int, dt: float) -> float:
         return dt / (1 << N_HALVINGS)
     halvings = N_HALVINGS - (part - 1) // PARTS_PER_HALVING
     return dt / (1 << halvings) / PARTS_PER_HALVING
+
+
+def implicit_inertia(slope_p: float, slope_d: float, gamma_dt: float) -> float:
+    """Return the inertia that stands for the slopes of a joint's law in an implicit state [kg m^2].
+
+    Args:
+        slope_p: Total K_p at the joint [N m/rad].
+        slope_d: Total K_d at the joint [N m s/rad].
+        gamma_dt: gamma h [s].
+    """
+    return gamma_dt * (slope_d + gamma_dt * slope_p)

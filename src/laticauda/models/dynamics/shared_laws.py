@@ -5,7 +5,7 @@ from types import ModuleType
 from typing import Any
 
 from laticauda.compiling import Target, compile_scalar, current_target
-from laticauda.models.dynamics import stages
+from laticauda.models.dynamics import semi_implicit
 from laticauda.motion.gaits import reference
 from laticauda.motion.joints import laws
 
@@ -17,11 +17,12 @@ SHARED_LAWS = (
     reference.wave_motion,
     reference.wave_reference,
     reference.between_knots,
-    # the linearly implicit step
-    stages.implicit_inertia,
-    stages.second_torque,
+    # the semi-implicit step
+    semi_implicit.implicit_inertia,
+    semi_implicit.count_parts,
+    semi_implicit.length_of_part,
     # the work of the joints
-    stages.joint_powers,
+    laws.joint_powers,
     laws.motor_power,
 )
 

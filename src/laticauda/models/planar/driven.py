@@ -33,10 +33,8 @@ from laticauda.models.dynamics.semi_implicit import (
     EXPLICIT_WEIGHTS,
     GAMMA,
     IMPLICIT_WEIGHTS,
-    N_PARTS,
     N_STAGES,
     NODES,
-    PARTS_PER_HALVING,
     WEIGHTS,
 )
 from laticauda.models.planar.rows import *
@@ -47,8 +45,6 @@ drives = _specialization["drives"]
 
 LAST = N_STAGES - 1
 """The last stage, whose implicit state is that at the end of the step."""
-CLOSE = 1e-6
-"""Shares of a step that are nothing."""
 NEAR = 0.01
 """Change of a joint's rate by which no law departs much from its tangent; an error that is tolerated [rad/s]."""
 MOST_SOLUTIONS = 6
@@ -63,11 +59,9 @@ def count_parts(S, dt):
     not at the same time were started anew one by one, and their steps are not divided.
     """
     time = first_lane(S[TIME].real)
-    if any_lane(S[TIME].real != time) or time >= PARTS_PER_HALVING * dt:
+    if any_lane(S[TIME].real != time):
         return 1
-    if time == 0.0:
-        return N_PARTS
-    return 1 + int(PARTS_PER_HALVING * dt / time - CLOSE)
+    return drives.shared.count_parts(time, dt)
 
 
 @kernel

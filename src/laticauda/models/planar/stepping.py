@@ -23,8 +23,7 @@ names that `model.TEMPLATES` lists. Python calls its entry points.
 from laticauda.compiling import compile_scalar, entry, kernel, lane_types
 from laticauda.compiling.lanes import any_lane, first_lane, magnitude, where
 from laticauda.compiling.templates import bindings
-from laticauda.models.dynamics import semi_implicit
-from laticauda.models.dynamics.stages import FARTHEST, STRONGEST
+from laticauda.models.dynamics.bounds import FARTHEST, STRONGEST
 from laticauda.models.planar import sample_format
 from laticauda.models.planar.rows import *
 
@@ -36,7 +35,6 @@ drives = _specialization["drives"]
 prescribed = _specialization["prescribed"]
 driven = _specialization["driven"]
 
-length_of_part = compile_scalar(semi_implicit.length_of_part)
 column_of_joint = compile_scalar(sample_format.column_of_joint)
 QUARTER = 0.25
 """Share of a step of RK5 between two moments at which its stages lie."""
@@ -118,7 +116,7 @@ def run(
             continue
         n_parts = driven.count_parts(S, dt)
         for part in range(n_parts):
-            length = length_of_part(part, n_parts, dt)
+            length = drives.shared.length_of_part(part, n_parts, dt)
             if length != length_prepared:
                 drives.set_stage_decays(S, length)
                 length_prepared = length

@@ -12,7 +12,8 @@ Of the simulation:
 
 - `model`: the robot as a plant; `school`: many robots, and several in one scene.
 - `settings`: what a model's settings mean; `twin`: the MuJoCo model of a plant, laid out in `places`.
-- `rows`, `drives`, `stepping`: layout of the kernels' arrays, drives of the joints, time steps.
+- `rows`, `states`: layout of the kernels' arrays, and how states move in them; `drives`: drives of
+  the joints; `stepping`, `driven`: time steps, those of prescribed and those of free joints.
 """
 
 from typing import TYPE_CHECKING

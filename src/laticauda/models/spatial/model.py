@@ -34,10 +34,12 @@ from laticauda.water.mujoco import ground
 
 CONTACT_SHARE = 2.0
 """Step in settling times of the stiffest contact; Runge-Kutta is stable up to 2.8 [-]."""
+DRIVEN_SHARE = 2.0
+"""How much longer steps with free joints are where contacts set them: robots that crawl are still right to 1e-4 [-]."""
 DRAG_SHARE = 0.5
 """Step relative to the largest stable one, so that the drag is resolved well and not merely stable [-]."""
 NO_STEP = 1e-9
-"""A step so small that the joint laws are not implicit [s]."""
+"""A step so small that what happens at a state does not depend on it [s]."""
 TERRAIN_SAMPLES = 21
 """Places along a robot at which the ground under it is looked up."""
 
@@ -58,8 +60,8 @@ class SpatialPlant(Plant[Spatial]):
 
     name: ClassVar[str] = "spatial"
     usual_dt: ClassVar[float] = 0.01
-    longest_driven_dt: ClassVar[float] = 0.002
-    elastic_dt: ClassVar[float] = 0.005
+    longest_driven_dt: ClassVar[float] = 0.01
+    elastic_dt: ClassVar[float] = 0.01
     generator: ClassVar[tuple[slice, ...]] = (
         slice(rows.PHASE, rows.WORK_ABSOLUTE),
         slice(rows.PITCH, rows.FIN),
@@ -252,14 +254,15 @@ class SpatialPlant(Plant[Spatial]):
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             dt = DRAG_SHARE * water.stable_step(self._twin.model, elements, 0.5)
+        share = 1.0
+        if self.is_implicit:
+            share = DRIVEN_SHARE
         contacts = [element.contact for element in elements if element.contact is not None]
         if contacts:
             gravity = -float(self.model.opt.gravity[2])
-            dt = min(dt, CONTACT_SHARE * ground.stable_step(contacts, gravity))
+            dt = min(dt, share * CONTACT_SHARE * ground.stable_step(contacts, gravity))
         if self.settings.surroundings is not None:
-            dt = min(dt, self.settings.surroundings.dt)
-        if self.is_implicit:
-            dt = min(dt, self.elastic_dt)
+            dt = min(dt, share * self.settings.surroundings.dt)
         return dt
 
     def _inputs(self, command: Command) -> KernelInputs:

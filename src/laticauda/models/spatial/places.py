@@ -12,8 +12,9 @@ from laticauda.models.spatial import rows
 from laticauda.models.spatial.bodies import build_fin_bodies
 from laticauda.models.spatial.settings import numbers_per_link
 from laticauda.motion.joints import JointLaw
-from laticauda.robot import Robot
+from laticauda.robot import Module, Robot
 from laticauda.scenarios import Spatial
+from laticauda.values import load_mujoco
 from laticauda.water.mujoco import native
 
 NUMBERS_PER_JOINT = 4
@@ -24,6 +25,9 @@ FREE_ROOT_POSITIONS = 7
 """Size of qpos of a free root: a position and a quaternion."""
 FREE_ROOT_RATES = 6
 """Size of qvel of a free root: a velocity and an angular velocity."""
+
+AXES_OF_VELOCITY = 3
+"""Rates of a free body that come before those of its rotation."""
 
 
 class Member(NamedTuple):
@@ -139,6 +143,18 @@ def build_setup(model: Any, data: Any, robot: LocatedRobot) -> Int[np.ndarray, "
     return setup
 
 
+def find_spins(model: Any) -> Int[np.ndarray, " n_spins"]:
+    """Return the first of the three rates of every body or joint that turns freely, among those of the model.
+
+    Args:
+        model: A `mujoco.MjModel`.
+    """
+    kinds = load_mujoco().mjtJoint
+    free = model.jnt_dofadr[model.jnt_type == kinds.mjJNT_FREE] + AXES_OF_VELOCITY
+    balls = model.jnt_dofadr[model.jnt_type == kinds.mjJNT_BALL]
+    return np.sort(np.concatenate((free, balls))).astype(np.int64)
+
+
 def index_motion(model: Any, robots: Sequence[LocatedRobot]) -> list[Int[np.ndarray, " n_own"]]:
     """Return the indices of each robot's qpos and qvel among those of all.
 
@@ -164,7 +180,9 @@ def build_joint_rows(robot: Robot, law: JointLaw) -> Float[np.ndarray, "n_joints
     wave_of_axis = {"yaw": rows.YAW_WAVE, "pitch": rows.PITCH_WAVE}
     waves = [wave_of_axis[joint.axis] for joint in robot.joints]
     laws = [law.code] * robot.n_joints
+    inertias = [_inertia_about_end(module) for module in robot.modules[1:]]
     for k in robot.fin_joints:
+        inertias.append(_inertia_about_end(robot.modules[0]))
         is_driven = k == 0
         if is_driven:
             waves.append(rows.FIN_WAVE)
@@ -172,4 +190,9 @@ def build_joint_rows(robot: Robot, law: JointLaw) -> Float[np.ndarray, "n_joints
         else:
             waves.append(rows.NO_WAVE)
             laws.append(rows.PASSIVE)
-    return np.column_stack((joint_table(robot, law), laws, waves))
+    return np.column_stack((joint_table(robot, law), laws, waves, inertias))
+
+
+def _inertia_about_end(module: Module) -> float:
+    """Return the inertia of a module about its end, as that of a thin rod [kg m^2]."""
+    return module.mass * module.length**2 / 3.0

@@ -100,6 +100,24 @@ YAW_WAVE = 0
 PITCH_WAVE = 1
 FIN_WAVE = 2
 NO_WAVE = 3
+OWN_INERTIA = WAVE + 1
+"""Inertia of the module on the head side of the joint about it, without water [kg m^2]."""
+
+# --- What a stage of a step knows of its free joints (`driven`): one row each
+COAST_ANGLE = 0
+"""Angle in the implicit state if the joint does not accelerate."""
+COAST_RATE = 1
+GUESS = 2
+"""Acceleration at which the tangent lies [rad/s^2]."""
+GUESS_TORQUE = 3
+"""Torque of law and skin there."""
+IMPLICIT = 4
+"""Inertia that stands for the slope of the tangent [kg m^2]."""
+TOTAL_TORQUE = 5
+"""Torque of the tangent without acceleration."""
+RATE = 6
+"""Rate in the implicit state."""
+STAGE_ROWS = 7
 
 # --- One sample of the log: the state's rows, then these, then links, then angle, rate, reference
 # and torque of the body's joints, then the same for the fin's joints and, in a scene, the contact

@@ -1,17 +1,18 @@
 """Advance a robot in MuJoCo through time with two fixed-step integrators.
 
 MuJoCo evaluates the dynamics (`mj_forward`: kinematics, inertia with the water's callback,
-contacts, accelerations); with free joints, the steps are those of the planar model:
+contacts, accelerations):
 
 - All joints prescribed: classic Runge-Kutta of order 4. At every stage the joints are exactly on
   the reference. Each of them is held by an inertia so large (HOLD) that it accelerates as the
   reference does, whatever acts on it; the residual of its acceleration times that inertia is the
   joint's torque.
-- Any joint free (pd, servo, the hinges of a fin that bends): ROS2 (see `dynamics.stages`), linearly
-  implicit in the joint law, in M + A.
+- Any joint free (pd, servo, the hinges of a fin that bends): the semi-implicit method of order 3 of
+  the planar model (`driven`), which integrates the works too. The first step of a run is divided into
+  parts.
 
-`rows` defines the layout of the arrays; `drives` defines what moves the joints. This is a template
-(see `compiling.templates`).
+`rows` defines the layout of the arrays, `states` how they are moved; `drives` defines what moves the
+joints. This is a template (see `compiling.templates`).
 """
 
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
@@ -22,140 +23,29 @@ import numpy as np
 
 from laticauda.compiling import entry, kernel
 from laticauda.compiling.templates import bindings
-from laticauda.models.dynamics import stages
-from laticauda.models.dynamics.stages import FARTHEST, GAMMA, STRONGEST
+from laticauda.models.dynamics.bounds import FARTHEST, STRONGEST
 from laticauda.models.spatial.rows import *
-from laticauda.water.mujoco import field, forces_after, forward_skip, integrate_positions, numbers
+from laticauda.models.spatial.states import (
+    HOLD,
+    copy_numbers,
+    evaluate,
+    move,
+    put_edges,
+    select_robot,
+    turn_along,
+)
+from laticauda.water.mujoco import field, forces_after, numbers
 from laticauda.water.mujoco.native import contact_force, flags_at, word_at
 
-_drives = bindings(__name__)["drives"]
-drive_joint = _drives.drive_joint
+_specialization = bindings(__name__)
+_drives = _specialization["drives"]
+driven = _specialization["driven"]
 count_work = _drives.count_work
-advance_reference = _drives.advance_reference
 set_reference = _drives.set_reference
-
-shared = _drives.shared
-W_1 = stages.WEIGHTS[0]
-W_2 = stages.WEIGHTS[1]
-HOLD = 1e8
-"""Inertia by which a prescribed joint is held to its reference [kg m^2]."""
-
-
-@kernel
-def copy_numbers(values, target):
-    """Copy numbers one by one: with slices, a third of the compiled code would be Numba's messages on unequal sizes."""
-    for i in range(len(target)):
-        target[i] = values[i]
-
-
-@kernel
-def evaluate(N):
-    """Compute the accelerations at the state in the data."""
-    forward_skip(N[MODEL], N[DATA], 0, 1)
-
-
-@kernel
-def put_on_reference(N, qpos, qvel, J, R, hold):
-    """Put prescribed joints on the reference and hold them to its acceleration."""
-    nq = N[N_BASE_QPOS]
-    nv = N[N_BASE_QVEL]
-    for i in range(J.shape[0]):
-        if J[i, LAW] == PRESCRIBED:
-            qpos[nq + i] = R[0, i]
-            qvel[nv + i] = R[1, i]
-            hold[nv + i] = HOLD
-            hold[N[N_QVEL] + nv + i] = HOLD * R[2, i]
-
-
-@kernel
-def set_first_stage(N, qpos, qvel, C, J, R, hold, U, K, gamma_dt):
-    """Set torques and implicit terms of the first stage; K stores the slope over angle and the implicit inertia."""
-    nq = N[N_BASE_QPOS]
-    nv = N[N_BASE_QVEL]
-    total = N[N_QVEL]
-    for i in range(J.shape[0]):
-        if J[i, LAW] == PRESCRIBED:
-            continue
-        rate = qvel[nv + i]
-        torque, slope_p, slope_d = drive_joint(C, J, i, qpos[nq + i], rate, R)
-        slope_p += J[i, STIFFNESS]
-        slope_d += J[i, DAMPING]
-        U[i] = torque
-        K[0, i] = slope_p
-        K[1, i] = shared.implicit_inertia(slope_p, slope_d, gamma_dt)
-        hold[nv + i] = K[1, i]
-        hold[total + nv + i] = torque - gamma_dt * slope_p * rate
-
-
-@kernel
-def set_second_stage(N, qpos, qvel, C, J, R, hold, K, first, slope, gamma_dt):
-    """Set the torques of the second stage, which is solved for a = k2 + 2 k1."""
-    nq = N[N_BASE_QPOS]
-    nv = N[N_BASE_QVEL]
-    total = N[N_QVEL]
-    put_on_reference(N, qpos, qvel, J, R, hold)
-    for i in range(J.shape[0]):
-        if J[i, LAW] == PRESCRIBED:
-            continue
-        torque, _, _ = drive_joint(C, J, i, qpos[nq + i], qvel[nv + i], R)
-        k = nv + i
-        hold[total + k] = shared.second_torque(
-            torque, K[0, i], K[1, i], qvel[k], slope[k], first[k], gamma_dt
-        )
-
-
-@kernel
-def move(N, qpos, start, velocity, dt):
-    """Set qpos to `start` moved with a velocity for dt."""
-    copy_numbers(start, qpos)
-    integrate_positions(N[MODEL], qpos.ctypes.data, velocity.ctypes.data, dt)
-
-
-@kernel
-def select_robot(W, r):
-    """Return one robot's arguments for the functions above; W holds the arguments of `run` for all, and R, U and K."""
-    N, S, Y, C, J, R, U, K = W
-    s = S[r]
-    e = S[r + 1]
-    a = s[FIRST_JOINT]
-    b = e[FIRST_JOINT]
-    state = Y[s[FIRST_STATE] : e[FIRST_STATE]]
-    command = C[s[FIRST_COMMAND] : e[FIRST_COMMAND]]
-    return N[r], state, command, J[a:b], R[:, a:b], U[a:b], K[:, a:b], s[FIRST_QPOS], s[FIRST_QVEL]
-
-
-@kernel
-def advance(N, X, C, J, R, dt):
-    """Advance one robot's generator, and the time in the data, at which the water is evaluated."""
-    advance_reference(X, C, J, R, dt)
-    numbers(N[DATA] + N[AT.time], 1)[0] = X[TIME]
-
-
-@kernel
-def put_all_on_reference(W, qpos, qvel, hold, dt):
-    """Apply `put_on_reference` to all robots, after advancing their generators by dt."""
-    for r in range(len(W[0])):
-        N, X, C, J, R, _, _, q, v = select_robot(W, r)
-        if dt > 0.0:
-            advance(N, X, C, J, R, dt)
-        put_on_reference(N, qpos[q:], qvel[v:], J, R, hold[v:])
-
-
-@kernel
-def set_first_stage_of_all(W, qpos, qvel, hold, gamma_dt):
-    """Apply `set_first_stage` to all robots."""
-    for r in range(len(W[0])):
-        N, _, C, J, R, U, K, q, v = select_robot(W, r)
-        set_first_stage(N, qpos[q:], qvel[v:], C, J, R, hold[v:], U, K, gamma_dt)
-
-
-@kernel
-def put_edges(W):
-    """Put the states of the edges of finite span where the water finds them."""
-    for r in range(len(W[0])):
-        N, X, _, _, _, _, _, _, _ = select_robot(W, r)
-        if N[EDGE_RECORD] != 0:
-            numbers(N[EDGE_RECORD], 2)[0] = X[EDGE_MEMORY]
+set_torques = _drives.set_torques
+put_all_on_reference = _drives.put_all_on_reference
+count_parts = _drives.shared.count_parts
+length_of_part = _drives.shared.length_of_part
 
 
 @kernel
@@ -189,14 +79,15 @@ def finish_edges(W, Z):
 
 
 @kernel
-def finish_rk4(W, hold, qpos, qvel, qacc, B, Z, dt):
+def finish_rk4(W, spins, hold, qpos, qvel, qacc, B, Z, dt):
     """Finish the step with stages 2 to 4; the accelerations of the first are already in the data. B, Z: scratch."""
     N = W[0][0]
     q0 = B[0]
     v0 = B[1]
     sum_v = B[2]
     sum_a = B[3]
-    now = B[4]
+    slope = B[4]
+    change = B[5]
     n = N[N_QVEL]
     copy_numbers(qpos, q0)
     keep_edges(W, Z)
@@ -204,67 +95,29 @@ def finish_rk4(W, hold, qpos, qvel, qacc, B, Z, dt):
         v0[i] = qvel[i]
         sum_v[i] = 0.0
         sum_a[i] = 0.0
+        change[i] = 0.0
     for stage in range(4):
         weight = dt / 6.0 if stage == 0 or stage == 3 else dt / 3.0
         ahead = 0.5 * dt if stage < 2 else dt
         for i in range(n):
-            sum_v[i] += weight * qvel[i]
+            slope[i] = qvel[i]
+        turn_along(slope, change, spins)
+        for i in range(n):
+            sum_v[i] += weight * slope[i]
             sum_a[i] += weight * qacc[i]
-            now[i] = qvel[i]
+            change[i] = ahead * slope[i]
         move_edges(W, Z, weight, ahead)
         if stage == 3:
             break
-        move(N, qpos, q0, now, ahead)
+        move(N, qpos, q0, change)
         for i in range(n):
             qvel[i] = v0[i] + ahead * qacc[i]
         put_all_on_reference(W, qpos, qvel, hold, 0.5 * dt if stage != 1 else 0.0)
         evaluate(N)
     finish_edges(W, Z)
-    move(N, qpos, q0, sum_v, 1.0)
+    move(N, qpos, q0, sum_v)
     for i in range(n):
         qvel[i] = v0[i] + sum_a[i]
-    put_all_on_reference(W, qpos, qvel, hold, 0.0)
-
-
-@kernel
-def finish_ros2(W, hold, qpos, qvel, qacc, B, Z, dt):
-    """Finish the step, y + h (3/2 k1 + 1/2 k2), from both stages; the accelerations of k1 are already in the data."""
-    N = W[0][0]
-    q0 = B[0]
-    v0 = B[1]
-    slope = B[2]
-    first = B[3]
-    total = B[4]
-    n = N[N_QVEL]
-    gamma_dt = GAMMA * dt
-    copy_numbers(qpos, q0)
-    keep_edges(W, Z)
-    move_edges(W, Z, 0.5 * dt, dt)  # explicit: the same formula without implicit terms
-    for i in range(n):
-        v0[i] = qvel[i]
-        first[i] = qacc[i]
-        slope[i] = qvel[i] + gamma_dt * qacc[i]
-    move(N, qpos, q0, slope, dt)
-    for i in range(n):
-        qvel[i] = v0[i] + dt * first[i]
-    for r in range(len(W[0])):
-        M, X, C, J, R, _, K, q, v = select_robot(W, r)
-        advance(M, X, C, J, R, dt)
-        set_second_stage(
-            M, qpos[q:], qvel[v:], C, J, R, hold[v:], K, first[v:], slope[v:], gamma_dt
-        )
-    evaluate(N)
-    move_edges(W, Z, 0.5 * dt, 0.0)
-    finish_edges(W, Z)
-    for i in range(n):
-        # As `stages.combined`; a call to it would be contracted differently here and change the
-        # last digit.
-        second = qacc[i] - 2.0 * first[i]
-        second_slope = qvel[i] - 2.0 * slope[i] + gamma_dt * second
-        total[i] = W_1 * slope[i] + W_2 * second_slope
-        v0[i] += dt * (W_1 * first[i] + W_2 * second)
-    move(N, qpos, q0, total, dt)
-    copy_numbers(v0, qvel)
     put_all_on_reference(W, qpos, qvel, hold, 0.0)
 
 
@@ -424,36 +277,54 @@ def write_joints(N, R, U, qpos, qvel, joints):
 
 
 @kernel
-def log_robot(W, r, mass, order, qpos, qvel, qacc, P, dt, sample):
-    """Count one robot's work and write its sample (empty between samples); return whether its numbers are in bounds."""
+def follow_links_of_all(W, order, qpos):
+    """Apply `follow_links` to all robots."""
+    S = W[1]
+    for r in range(len(W[0])):
+        N, Y, _, _, _, _, _, q, _ = select_robot(W, r)
+        bodies = order[S[r, FIRST_BODY] : S[r + 1, FIRST_BODY]]
+        follow_links(N, bodies, qpos[q:], Y[STATE_ROWS : STATE_ROWS + N[N_LINKS]])
+
+
+@kernel
+def measure_holding_torques(W, qacc):
+    """Set the torques of prescribed joints, which must overcome the skin, too: it is in MuJoCo's passive forces."""
+    for r in range(len(W[0])):
+        N, _, _, J, R, U, _, _, v = select_robot(W, r)
+        for i in range(len(J)):
+            if J[i, LAW] == PRESCRIBED:
+                U[i] = HOLD * (R[2, i] - qacc[v + N[N_BASE_QVEL] + i])
+
+
+@kernel
+def count_work_of_all(W, P, qvel, dt):
+    """Apply `count_work` to all robots."""
+    for r in range(len(W[0])):
+        N, X, C, J, _, U, _, _, v = select_robot(W, r)
+        count_work(N, X, C, J, U, P[r], qvel[v:], dt)
+
+
+@kernel
+def log_robot(W, r, mass, order, qpos, qvel, sample):
+    """Write one robot's sample; return whether its numbers are in bounds."""
     n, y, C, J, R, U, _, q, v = select_robot(W, r)
-    is_led = C[IS_LED] != 0.0
-    nv = v + n[N_BASE_QVEL]
     links = y[STATE_ROWS : STATE_ROWS + n[N_LINKS]]
-    for i in range(J.shape[0]):
-        if is_led and J[i, LAW] == PRESCRIBED:
-            # The resistance of the joint's skin is in MuJoCo's passive forces, so the actuator has
-            # to overcome it.
-            U[i] = HOLD * (R[2, i] - qacc[nv + i])
-    follow_links(n, order, qpos[q:], links)
-    count_work(n, y, C, J, U, P, qvel[v:], dt)
-    if not sample.size:
-        return True
     forces = y[STATE_ROWS + n[N_LINKS] :]
-    if n[HAS_SCENE] != 0 and is_led:
+    if n[HAS_SCENE] != 0 and C[IS_LED] != 0.0:
         sum_contacts(n, order, forces)
     write_sample(n, y, J, R, U, mass, order, qpos[q:], qvel[v:], links, forces, sample)
     return are_within(qpos, FARTHEST) and are_within(qvel, FARTHEST) and are_within(U, STRONGEST)
 
 
 @entry
-def run(N, S, Y, moving, C, J, mass, order, hold, steps, dt, every, log):
+def run(N, S, Y, moving, C, J, mass, order, spins, hold, steps, dt, every, log):
     """Advance all robots of a model by `steps` steps of `dt` and log every `every`-th one, first and last included.
 
     N has a row of integers per robot; S holds the start of each robot's part in Y (rows, link
-    angles, forces), C, J, order and the log's columns; `moving` is qpos and qvel of all. Returns
-    the number of samples written: fewer than requested if numbers left the finite range. The
-    trapezoidal rule for the work starts from the powers at the start.
+    angles, forces), C, J, order and the log's columns; `moving` is qpos and qvel of all, `spins` the
+    first rate of every rotation in them. Returns the number of samples written: fewer than requested
+    if numbers left the finite range. With prescribed joints alone, work is counted by the trapezoidal
+    rule, from the powers at the start.
     """
     M = N[0]
     n_robots = len(N)
@@ -466,10 +337,10 @@ def run(N, S, Y, moving, C, J, mass, order, hold, steps, dt, every, log):
     copy_numbers(moving[n_q:], qvel)
     R = np.zeros((3, len(J)))
     U = np.zeros(len(J))
-    K = np.zeros((2, len(J)))
+    K = np.zeros((STAGE_ROWS, len(J)))
     P = np.zeros((n_robots, 4))
-    B = np.zeros((5, n_q))
-    Z = np.zeros((n_robots, 2))
+    B = np.zeros((driven.SCRATCH_ROWS, n_q))
+    G = np.zeros((n_robots, driven.SCRATCH_OF_ROBOT))
     W = (N, S, Y, C, J, R, U, K)
     hold[:] = 0.0
     is_led = C[IS_LED] != 0.0
@@ -479,36 +350,38 @@ def run(N, S, Y, moving, C, J, mass, order, hold, steps, dt, every, log):
         _, X, C_r, J_r, R_r, _, _, _, _ = select_robot(W, r)
         set_reference(X, C_r, J_r, R_r)
         numbers(M[DATA] + M[AT.time], 1)[0] = X[TIME]
-    two_ways = implicit and np.any(J[:, LAW] == PRESCRIBED)
     if is_led:
         put_all_on_reference(W, qpos, qvel, hold, 0.0)
     put_edges(W)
     written = 0
     for step in range(steps + 1):
-        if is_led:
-            gamma_dt = GAMMA * dt if implicit and not two_ways else 0.0
-            set_first_stage_of_all(W, qpos, qvel, hold, gamma_dt)
-        evaluate(M)
-        for r in range(n_robots):
-            a = S[r, FIRST_COLUMN]
-            b = S[r + 1, FIRST_COLUMN] if step % every == 0 else a
-            bodies = order[S[r, FIRST_BODY] : S[r + 1, FIRST_BODY]]
-            sample = log[step // every, a:b]
-            past = dt if step > 0 else 0.0
-            if not log_robot(W, r, mass[r], bodies, qpos, qvel, qacc, P[r], past, sample):
-                return written
-        written += step % every == 0
+        is_sample = step % every == 0
+        # With prescribed joints alone, this is also the first stage of a step, and work is counted.
+        if is_sample or not implicit:
+            if is_led:
+                set_torques(W, qpos, qvel, hold)
+            evaluate(M)
+            if is_led:
+                measure_holding_torques(W, qacc)
+            if not implicit:
+                count_work_of_all(W, P, qvel, dt if step > 0 else 0.0)
+        follow_links_of_all(W, order, qpos)
+        if is_sample:
+            for r in range(n_robots):
+                bodies = order[S[r, FIRST_BODY] : S[r + 1, FIRST_BODY]]
+                sample = log[step // every, S[r, FIRST_COLUMN] : S[r + 1, FIRST_COLUMN]]
+                if not log_robot(W, r, mass[r], bodies, qpos, qvel, sample):
+                    return written
+            written += 1
         if step == steps:
             break
         if not implicit:
-            finish_rk4(W, hold, qpos, qvel, qacc, B, Z, dt)
-        else:
-            if two_ways:
-                # The torques above follow from accelerations, which must not be those of an
-                # implicit step.
-                set_first_stage_of_all(W, qpos, qvel, hold, GAMMA * dt)
-                evaluate(M)
-            finish_ros2(W, hold, qpos, qvel, qacc, B, Z, dt)
+            finish_rk4(W, spins, hold, qpos, qvel, qacc, B, G, dt)
+            continue
+        n_parts = count_parts(Y[TIME], dt)
+        for part in range(n_parts):
+            length = length_of_part(part, n_parts, dt)
+            driven.advance(W, B, G, spins, hold, qpos, qvel, qacc, length)
     copy_numbers(qpos, moving[:n_q])
     copy_numbers(qvel, moving[n_q:])
     return written

@@ -20,6 +20,7 @@ from laticauda.models.spatial.places import (
     build_joint_rows,
     build_places,
     build_setup,
+    find_spins,
     index_motion,
     locate_robot,
 )
@@ -39,7 +40,7 @@ from laticauda.values import BadArgument, add_up, load_mujoco
 from laticauda.water import mujoco as water
 from laticauda.water.mujoco import callback, table
 
-TEMPLATES = {"drives": ("joint_law",), "stepping": ("joint_law",)}
+TEMPLATES = {"drives": ("joint_law",), "driven": ("joint_law",), "stepping": ("joint_law",)}
 """Templates of the kernels, and what each is specialized for; see `laticauda.compiling.templates`."""
 
 
@@ -123,6 +124,7 @@ class Twin:
             [build_setup(self.model, self._data, located) for located in robots]
         )
         self._motion_of_robots = index_motion(self.model, robots)
+        self._spins = find_spins(self.model)
         self.water = self._attach_water(members, environment)
         # Stored with the water's own numbers, so that it lives as long as the compiled code may
         # read it.
@@ -224,6 +226,7 @@ class Twin:
                 np.concatenate([robot.joints for robot in inputs]),
                 self._masses,
                 self.order,
+                self._spins,
                 self._hold,
                 steps,
                 dt,

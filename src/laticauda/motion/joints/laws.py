@@ -14,7 +14,16 @@ import functools
 from collections.abc import Callable
 from typing import ClassVar, NamedTuple
 
-from laticauda.values import Extensible, Formula, Law, check_choice, tanh, value_class, where
+from laticauda.values import (
+    Extensible,
+    Formula,
+    Law,
+    check_choice,
+    magnitude,
+    tanh,
+    value_class,
+    where,
+)
 
 # Rate over which dry friction changes sign; small compared with the rates of swimming, about 1
 # rad/s [rad/s].
@@ -285,6 +294,17 @@ def servo(
         + PER_SLIDING_RATE * dry * (1.0 - sliding * sliding)
     )
     return torque, stiffness, damping, duty
+
+
+def joint_powers(torque: float, rate: float) -> tuple[float, float, float]:
+    """Return |u phi'|, u phi' and max(u phi', 0) of one joint [W].
+
+    Args:
+        torque: u [N m].
+        rate: phi' [rad/s].
+    """
+    power = torque * rate
+    return magnitude(power), power, 0.5 * (power + magnitude(power))
 
 
 def motor_power(

@@ -8,8 +8,6 @@ from laticauda.motion.joints.laws import SLIDING_RATE, Drive, Servo
 from laticauda.values import quantity, tanh, value_class, where
 
 TINY = 1e-30  # [(N m)^2], avoids 0/0 for a motor that is switched off and has nothing to do
-BEYOND = 1.0 + 2.0**0.5
-"""Relative excess of the slopes at the motor's limit over the chord: 1/gamma - 1 of `models.dynamics.stages`."""
 
 
 @value_class
@@ -78,12 +76,6 @@ def speed_servo(
     friction: `servo` with a stall torque of k_u w_max, a no-load speed of w_max and a gain of k_w /
     w_max.
 
-    With torque to spare the slopes are the derivatives. At the limit the derivatives, c^3 with c =
-    (1 + s^2)^(-1/2), ignore that the loop will reverse: a step along them far overshoots the
-    demanded rate, the motor brakes at full torque, and so on. The slopes are therefore those of the
-    chord, c, from the current state to where the demand is zero, and steeper at the limit, as a
-    two-stage step requires. The order of the step does not depend on its slopes.
-
     Args:
         angle: phi [rad].
         rate: phi' [rad/s].
@@ -108,9 +100,10 @@ def speed_servo(
     asked = speed_gain * (rate_ref - rate) + back * rate  # u_stall s
     root = np.sqrt(asked * asked + stall_torque * stall_torque + TINY)
     duty, share = asked / root, stall_torque / root
-    slope = share * speed_gain * (1.0 + BEYOND * (1.0 - share**16))
+    share_of_change = share**3  # of a change of the demand, that the motor answers
     sliding = tanh(rate / SLIDING_RATE)
     torque = stall_torque * duty - back * rate - viscous_friction * rate - friction_torque * sliding
-    stiffness = slope * steepness
+    stiffness = share_of_change * speed_gain * steepness
     grip = viscous_friction + friction_torque / SLIDING_RATE * (1.0 - sliding * sliding)
-    return torque, stiffness, slope + (1.0 - share) * back + grip, duty
+    damping = share_of_change * (speed_gain - back) + back + grip
+    return torque, stiffness, damping, duty
