@@ -97,7 +97,7 @@ def test_specializations_have_in_common_what_does_not_know_how_they_differ():
 
 def test_an_edit_elsewhere_leaves_machine_code_valid(copy):
     before = digest_of(*PLANAR, package=copy)
-    (copy / "planar" / "model.py").write_text("# gone\n")
+    (copy / "models" / "planar" / "model.py").write_text("# gone\n")
     assert digest_of(*PLANAR, package=copy) == before
 
 
