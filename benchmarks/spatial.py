@@ -18,7 +18,7 @@ Last answer (2026-11-22), two cores shared with other work, at real-time priorit
     in the plane  MuJoCo's ellipsoids, implicitfast    15 900           error 2.0e-03
                   water, implicitfast                  86 000            5.4 x    2.7e-03
                   no water                            133 000
-    SpatialPlant  prescribed (RK4) 22 400, pd (ROS2) 43 800
+    SpatialPlant  prescribed (RK4) 22 400, pd (of order 2 then) 43 800
     against the version before water that accelerates, scenes and threads: prescribed 1.00 x, pd 0.99 x
     24 trials of 20 s: two threads 1.90 times as fast as one
     planar trials beside a march wait at most 0.002 of its time (1: it freezes them)

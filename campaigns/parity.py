@@ -10,8 +10,7 @@ out. The planar run has a quarter of the smallest step.
 The tests run slices of it, in tests/models/spatial/test_parity.py and tests/models/spatial/test_fin.py, and the
 paper's claim that both models agree is judged by its answer, in tests/paper/test_claims.py.
 
-Last answer (2 shared cores, 2026-11-22; 40 s), the worst of lateral, eel-like, turning, fin and
-current:
+Last answer (2 shared cores, 2026-11-30), the worst of lateral, eel-like, turning, fin and current:
     prescribed  0.0500 s   path 5.8e-05   Richardson -         heading 4.9e-04 rad
     prescribed  0.0250 s   path 3.1e-06   Richardson 6.5e-07   heading 3.0e-05 rad
     prescribed  0.0125 s   path 1.8e-07   Richardson 1.8e-08   heading 1.8e-06 rad
@@ -19,14 +18,16 @@ current:
     prescribed  0.0031 s   path 6.8e-09   Richardson 6.9e-09   heading 4.3e-08 rad
     prescribed  0.0010 s   path 6.9e-09   Richardson -         heading 3.6e-08 rad
     prescribed  0.0005 s   path 6.9e-09   Richardson 6.9e-09   heading 3.6e-08 rad
-    pd          0.0040 s   path 7.4e-04   Richardson -         heading 2.2e-04 rad
-    pd          0.0020 s   path 2.3e-04   Richardson 6.6e-05   heading 6.4e-05 rad
-    pd          0.0010 s   path 6.7e-05   Richardson 1.1e-05   heading 1.7e-05 rad
-    pd          0.0005 s   path 1.8e-05   Richardson 2.0e-06   heading 4.3e-06 rad
-    servo       0.0040 s   path 6.9e-04   Richardson -         heading 4.7e-04 rad
-    servo       0.0020 s   path 1.9e-04   Richardson 2.6e-05   heading 1.3e-04 rad
-    servo       0.0010 s   path 4.9e-05   Richardson 9.8e-07   heading 3.2e-05 rad
-    servo       0.0005 s   path 1.2e-05   Richardson 1.4e-07   heading 7.8e-06 rad
+    pd          0.0080 s   path 3.3e-06   Richardson -         heading 1.6e-06 rad
+    pd          0.0040 s   path 7.0e-07   Richardson 3.3e-07   heading 3.8e-07 rad
+    pd          0.0020 s   path 1.4e-07   Richardson 6.3e-08   heading 8.2e-08 rad
+    pd          0.0010 s   path 2.7e-08   Richardson 1.0e-08   heading 1.6e-08 rad
+    pd          0.0005 s   path 4.7e-09   Richardson 1.6e-09   heading 2.8e-09 rad
+    servo       0.0080 s   path 5.4e-06   Richardson -         heading 9.5e-06 rad
+    servo       0.0040 s   path 1.7e-06   Richardson 1.4e-06   heading 3.3e-06 rad
+    servo       0.0020 s   path 2.1e-07   Richardson 2.6e-07   heading 7.2e-07 rad
+    servo       0.0010 s   path 2.4e-08   Richardson 3.7e-08   heading 1.8e-07 rad
+    servo       0.0005 s   path 1.1e-08   Richardson 1.1e-08   heading 3.3e-08 rad
 """
 
 import csv
@@ -47,13 +48,13 @@ from laticauda.show.figures import new_figure, save_figure, style
 STORE = Path(__file__).with_suffix(".csv")
 STEPS = {
     "prescribed": (0.05, 0.025, 0.0125, 0.00625, 0.003125, 0.001, 0.0005),
-    "pd": (0.004, 0.002, 0.001, 0.0005),
-    "servo": (0.004, 0.002, 0.001, 0.0005),
+    "pd": (0.008, 0.004, 0.002, 0.001, 0.0005),
+    "servo": (0.008, 0.004, 0.002, 0.001, 0.0005),
 }
 """Of the spatial model, by the joints' drive [s]."""
-ORDERS = {"prescribed": 4, "pd": 2, "servo": 2}
-"""Of both models' integrators in the step, by the joints' drive."""
-SLOPES = {"prescribed": 4, "pd": 2}
+ORDERS = {"prescribed": 4, "pd": 3, "servo": 3}
+"""Of the spatial model's integrators in the step, by the joints' drive."""
+SLOPES = {"prescribed": 4, "pd": 3}
 """Drawn; servo's would lie on that of pd."""
 MARKERS = "osD"
 

@@ -89,7 +89,7 @@ def test_that_both_models_agree_is_judged_by_the_answer_of_its_campaign():
     assert max(finest) == pytest.approx(MODELS["path"], rel=0.03)
     judged = by_key(load_claims())["same-as-vortex"]
     assert judged.verdict == "holds"
-    assert "differ by 0.002 % of the distance or less at a step of 0.5 ms" in judged.evidence
+    assert "differ by 0.000001 % of the distance or less at a step of 0.5 ms" in judged.evidence
 
 
 def test_claims_about_simulations_say_which_joints(study, following, side, found):
