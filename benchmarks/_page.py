@@ -16,13 +16,14 @@ from websockets.sync.client import connect
 
 from laticauda.show.cockpit.cameras import HOME
 
-REPORT = 0.1  # between two words about the camera: what a page says whose camera goes along [s]
+REPORT = 0.1
+"""Time between two reports of the camera, as of a page whose camera goes along [s]."""
 
 
-def camera() -> bytes:
+def camera_report() -> bytes:
     """What a page of a browser says of its camera."""
     position, look_at = HOME
-    said = ViewerCameraMessage(
+    message = ViewerCameraMessage(
         wxyz=(1.0, 0.0, 0.0, 0.0),
         position=position,
         fov=1.0,
@@ -33,25 +34,30 @@ def camera() -> bytes:
         look_at=look_at,
         up_direction=(0.0, 0.0, 1.0),
     )
-    return msgspec.msgpack.encode({"type": "ViewerCameraMessage", **dataclasses.asdict(said)})
+    return msgspec.msgpack.encode({"type": "ViewerCameraMessage", **dataclasses.asdict(message)})
 
 
 def main(address: str) -> None:
-    words, report = camera(), 0.0
-    protocol = f"viser-v{viser.__version__}"
-    got, second = 0, time.monotonic() + 1.0
+    report = camera_report()
+    report_due = 0.0
+    n_bytes = 0
+    second_ends = time.monotonic() + 1.0
     with connect(
-        address.replace("http", "ws"), subprotocols=[protocol], max_size=None, compression=None
+        address.replace("http", "ws"),
+        subprotocols=[f"viser-v{viser.__version__}"],
+        max_size=None,
+        compression=None,
     ) as page:
         while True:
-            got += len(page.recv())
+            n_bytes += len(page.recv())
             now = time.monotonic()
-            if now > report:
-                page.send(words)
-                report = now + REPORT
-            if now > second:
-                print(got, flush=True)
-                got, second = 0, now + 1.0
+            if now > report_due:
+                page.send(report)
+                report_due = now + REPORT
+            if now > second_ends:
+                print(n_bytes, flush=True)
+                n_bytes = 0
+                second_ends = now + 1.0
 
 
 if __name__ == "__main__":

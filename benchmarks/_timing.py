@@ -31,13 +31,16 @@ def random_gaits(n: int) -> list[lc.Gait]:
     """Lateral undulation, always the same gaits."""
     rng = np.random.default_rng(1)
     ranges = {"amplitude": (0.2, 0.7), "frequency": (1.0, 3.0), "phase_shift": (0.3, 1.0)}
-    return [
-        lc.lateral_undulation(**{name: float(rng.uniform(*ends)) for name, ends in ranges.items()})
-        for _ in range(n)
-    ]
+    gaits: list[lc.Gait] = []
+    for _ in range(n):
+        numbers = {name: float(rng.uniform(*ends)) for name, ends in ranges.items()}
+        gaits.append(lc.lateral_undulation(**numbers))
+    return gaits
 
 
 def print_load() -> None:
     """How busy the machine is: times are worth what this says."""
-    busy = f"{os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else "unknown"
-    print(f"({time.strftime('%Y-%m-%d')}, {os.cpu_count()} cores, load {busy})")
+    load = "unknown"
+    if hasattr(os, "getloadavg"):
+        load = f"{os.getloadavg()[0]:.1f}"
+    print(f"({time.strftime('%Y-%m-%d')}, {os.cpu_count()} cores, load {load})")

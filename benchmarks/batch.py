@@ -5,6 +5,7 @@ does included. Printed: time of one core per trial, and the ratio to `swim`.
 """
 
 import time
+from functools import partial
 
 from _timing import fastest, of_links, print_load, random_gaits
 
@@ -19,17 +20,11 @@ def main() -> None:
     print(f"{'joints':<12}{'swim [ms]':>10}{'batch [ms]':>12}{'ratio':>7}")
     for joints, n in TRIALS.items():
         gaits = random_gaits(n)
-        single = fastest(
-            time.process_time, lambda g=gaits[0], j=joints: lc.swim(robot, g, joints=j), 10
-        )
-        each = (
-            fastest(
-                time.process_time,
-                lambda g=gaits, j=joints: lc.swim_many(robot, g, joints=j, threads=1),
-            )
-            / n
-        )
-        print(f"{joints:<12}{1e3 * single:>10.2f}{1e3 * each:>12.3f}{single / each:>7.1f}")
+        swim_alone = partial(lc.swim, robot, gaits[0], joints=joints)
+        swim_batch = partial(lc.swim_many, robot, gaits, joints=joints, threads=1)
+        alone = fastest(time.process_time, swim_alone, 10)
+        in_batch = fastest(time.process_time, swim_batch) / n
+        print(f"{joints:<12}{1e3 * alone:>10.2f}{1e3 * in_batch:>12.3f}{alone / in_batch:>7.1f}")
     print_load()
 
 

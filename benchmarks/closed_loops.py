@@ -12,7 +12,6 @@ process, so that only ratios matter.
 
 import time
 import warnings
-from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
@@ -43,18 +42,15 @@ def main() -> None:
             lc.Start(center_of_mass=(0.0, y)) for y in np.linspace(-2.0, 2.0, N_ROBOTS).tolist()
         ]
         scenarios = [replace(scenario, start=start) for start in starts]
-        works: dict[str, Callable[[], object]] = {
-            "lanes": partial(lc.swim_many, scenarios, threads=1),
-            "batch": partial(lc.swim_many, robot, gaits, threads=1, joints=joints),
-            "single": partial(lc.swim, scenarios[0]),
-        }
-        times = {
-            name: fastest(time.process_time, work, ROUNDS) / (1 if name == "single" else N_ROBOTS)
-            for name, work in works.items()
-        }
+        follow_in_lanes = partial(lc.swim_many, scenarios, threads=1)
+        swim_in_lanes = partial(lc.swim_many, robot, gaits, threads=1, joints=joints)
+        follow_alone = partial(lc.swim, scenarios[0])
+        following = fastest(time.process_time, follow_in_lanes, ROUNDS) / N_ROBOTS
+        swimming = fastest(time.process_time, swim_in_lanes, ROUNDS) / N_ROBOTS
+        alone = fastest(time.process_time, follow_alone, ROUNDS)
         print(
-            f"{joints}: {1e3 * times['lanes']:.3f} ms a trial, {times['lanes'] / times['batch']:.2f} times one "
-            f"without a controller, 1/{times['single'] / times['lanes']:.0f} of a single run"
+            f"{joints}: {1e3 * following:.3f} ms a trial, {following / swimming:.2f} times one "
+            f"without a controller, 1/{alone / following:.0f} of a single run"
         )
 
 

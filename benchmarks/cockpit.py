@@ -18,6 +18,7 @@ import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from typing import NamedTuple
 
 import laticauda as lc
 from laticauda.show.cockpit import Cockpit, Live
@@ -39,21 +40,22 @@ def resident() -> float:
 @contextlib.contextmanager
 def readers(address: str) -> Iterator[list[int]]:
     """Pages without a picture; the bytes that they get, second by second."""
-    found = [
-        subprocess.Popen(
-            [sys.executable, str(PAGE), address], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
-        )
+    command = [sys.executable, str(PAGE), address]
+    pages = [
+        subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
         for _ in range(PAGES)
     ]
-    got: list[int] = []
-    for page in found:
-        threading.Thread(
-            target=lambda page=page: got.extend(map(int, page.stdout)), daemon=True
-        ).start()
+    bytes_per_second: list[int] = []
+
+    def listen(page: subprocess.Popen[bytes]) -> None:
+        bytes_per_second.extend(map(int, page.stdout))
+
+    for page in pages:
+        threading.Thread(target=listen, args=(page,), daemon=True).start()
     try:
-        yield got
+        yield bytes_per_second
     finally:
-        for page in found:
+        for page in pages:
             page.kill()
             page.wait()
 
@@ -64,15 +66,30 @@ def browsers(address: str) -> Iterator[list[int]]:
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as playwright:
-        found = playwright.chromium.launch(
+        chromium = playwright.chromium.launch(
             executable_path=shutil.which("chromium"), args=list(FLAGS)
         )
         for _ in range(PAGES):
-            found.new_page(viewport={"width": 800, "height": 500}).goto(address)
+            page = chromium.new_page(viewport={"width": 800, "height": 500})
+            page.goto(address)
         try:
             yield []
         finally:
-            found.close()
+            chromium.close()
+
+
+class Usage(NamedTuple):
+    """What has passed until now [s]."""
+
+    wall: float
+    processor: float
+    simulated: float
+    lag: float
+    """Time that was given up because the computer is too slow."""
+
+    @classmethod
+    def now(cls, live: Live) -> "Usage":
+        return cls(time.perf_counter(), time.process_time(), live.simulation.time, live.lag)
 
 
 def measure(model: str, duration: float, *, speed: float = 1.0, browser: bool = False) -> None:
@@ -80,24 +97,27 @@ def measure(model: str, duration: float, *, speed: float = 1.0, browser: bool = 
     live.speed = speed
     cockpit = Cockpit(live, port=0)
     cockpit.open()
-    with (browsers if browser else readers)(cockpit.address) as got:
+    open_pages = browsers if browser else readers
+    with open_pages(cockpit.address) as bytes_per_second:
         while cockpit.pages < PAGES:
             time.sleep(0.1)
         time.sleep(5.0)
-        got.clear()
-        begun, cpu, world, lag = (
-            time.perf_counter(),
-            time.process_time(),
-            live.simulation.time,
-            live.lag,
-        )
+        bytes_per_second.clear()
+        start = Usage.now(live)
         time.sleep(duration)
-        wall = time.perf_counter() - begun
-        cpu, world, lag = time.process_time() - cpu, live.simulation.time - world, live.lag - lag
-        size = f"{sum(got) / 1e6 / wall / PAGES:.2f} MB/s per page" if got else "Chromium"
+        end = Usage.now(live)
+        wall = end.wall - start.wall
+        simulated = end.simulated - start.simulated
+        processor = end.processor - start.processor
+        traffic = "Chromium"
+        if bytes_per_second:
+            megabytes = sum(bytes_per_second) / 1e6
+            traffic = f"{megabytes / wall / PAGES:.2f} MB/s per page"
         print(
-            f"{model:8s} {PAGES} pages, {size}, time x {speed:g}: simulated/real {world / wall:.3f}, "
-            f"given up {lag:.2f} s, server {100.0 * cpu / wall:.0f} % of a core, {resident():.0f} MB, "
+            f"{model:8s} {PAGES} pages, {traffic}, time x {speed:g}: "
+            f"simulated/real {simulated / wall:.3f}, "
+            f"given up {end.lag - start.lag:.2f} s, "
+            f"server {100.0 * processor / wall:.0f} % of a core, {resident():.0f} MB, "
             f"load {os.getloadavg()[0]:.1f}",
             flush=True,
         )

@@ -34,7 +34,7 @@ FINER = 16
 
 def gaits() -> list[lc.Gait]:
     """The gaits of the settings."""
-    found: list[lc.Gait] = []
+    gaits_of_settings: list[lc.Gait] = []
     for kind, *degrees in SETTINGS:
         amplitude, frequency, phase_shift = np.deg2rad(degrees)
         gait = lc.Gait(
@@ -43,17 +43,17 @@ def gaits() -> list[lc.Gait]:
             frequency=frequency,
             phase_shift=phase_shift,
         )
-        found.append(gait)
-    return found
+        gaits_of_settings.append(gait)
+    return gaits_of_settings
 
 
 def errors(swims: lc.Swims, exact: lc.Swims) -> list[float]:
     """Worst relative errors of speed, power and place."""
-    apart = np.linalg.norm(swims.center_of_mass[:, :2] - exact.center_of_mass, axis=1)
+    distance = np.linalg.norm(swims.center_of_mass[:, :2] - exact.center_of_mass, axis=1)
     return [
         float(np.max(np.abs(swims.forward_velocity / exact.forward_velocity - 1.0))),
         float(np.max(np.abs(swims.mean_power / exact.mean_power - 1.0))),
-        float(np.max(apart / np.linalg.norm(exact.center_of_mass, axis=1))),
+        float(np.max(distance / np.linalg.norm(exact.center_of_mass, axis=1))),
     ]
 
 
@@ -65,18 +65,21 @@ def main() -> None:
     for joints in JOINTS:
         rows: dict[float, list[float]] = {}
         for name in ("mamba", "mamba-fin"):
-            robot, water, law = lc.load_robot(name), lc.load_water("paper-lateral"), joints
+            robot = lc.load_robot(name)
+            water = lc.load_water("paper-lateral")
+            law = joints
             if joints == "mamba-identified":
-                found = lc.load_parameters(joints)
-                robot = found.robot(robot, "lateral-undulation")
-                water, law = found.water("lateral-undulation"), found.joints or joints
+                parameters = lc.load_parameters(joints)
+                robot = parameters.robot(robot, "lateral-undulation")
+                water = parameters.water("lateral-undulation")
+                law = parameters.joints or joints
             case = {"joints": law, "environments": water}
-            usual = lc.build_plant(robot, water, model=model, joints=law).dt
-            exact = lc.swim_many(robot, gaits(), dt=usual / FINER, **case)
-            for dt in (usual, usual / 2):
+            default_dt = lc.build_plant(robot, water, model=model, joints=law).dt
+            exact = lc.swim_many(robot, gaits(), dt=default_dt / FINER, **case)
+            for dt in (default_dt, default_dt / 2):
                 swims = lc.swim_many(robot, gaits(), model=model, dt=dt, **case)
-                found_errors = errors(swims, exact)
-                rows[dt] = list(np.maximum(rows.get(dt, [0.0] * 3), found_errors))
+                errors_at_dt = errors(swims, exact)
+                rows[dt] = list(np.maximum(rows.get(dt, [0.0] * 3), errors_at_dt))
         for dt, worst in rows.items():
             numbers = "".join(f"{error:>10.1e}" for error in worst)
             print(f"{joints:<18}{dt:>10.5f}{numbers}")

@@ -48,26 +48,27 @@ def currents() -> dict[str, Any]:
 
 def least(currents: Mapping[str, Any]) -> dict[str, float]:
     """Least time of one core per trial of a few rounds, by current [s]."""
-    robot, gaits, water = of_links(10), random_gaits(TRIALS), lc.load_water("paper-lateral")
+    robot = of_links(10)
+    gaits = random_gaits(TRIALS)
+    water = lc.load_water("paper-lateral")
     best = dict.fromkeys(currents, float("inf"))
     for repeat in range(1 + ROUNDS):
         for name, current in currents.items():
+            waters = [replace(water, current=current)] * TRIALS
             start = time.process_time()
-            lc.swim_many(
-                robot, gaits, environments=[replace(water, current=current)] * TRIALS, threads=1
-            )
+            lc.swim_many(robot, gaits, environments=waters, threads=1)
+            seconds = (time.process_time() - start) / TRIALS
             if repeat:  # the first compiles
-                best[name] = min(best[name], (time.process_time() - start) / TRIALS)
+                best[name] = min(best[name], seconds)
     return best
 
 
 def still_of(sources: Path) -> float:
     """The same of still water, with the package in another folder of sources."""
-    run = [sys.executable, __file__, "--still"]
+    command = [sys.executable, __file__, "--still"]
     environment = {**os.environ, "PYTHONPATH": str(sources)}
-    return float(
-        subprocess.run(run, env=environment, capture_output=True, text=True, check=True).stdout
-    )
+    process = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+    return float(process.stdout)
 
 
 def main() -> None:
@@ -77,18 +78,22 @@ def main() -> None:
         "--against", type=Path, help="folder `src` of another version, for still water"
     )
     parser.add_argument("--still", action="store_true", help="print the time of still water alone")
-    given = parser.parse_args()
-    if given.still:
+    options = parser.parse_args()
+    if options.still:
         print(least({"still": (0.0, 0.0)})["still"])
         return
-    best, reference = {}, float("inf")
+    best: dict[str, float] = {}
+    reference = float("inf")
     for _ in range(2):  # in turns
-        found = least({"still": (0.0, 0.0), **currents()})
-        best = {name: min(best.get(name, float("inf")), one) for name, one in found.items()}
-        reference = min(reference, still_of(given.against) if given.against else best["still"])
-    print(f"still water of {given.against or 'this version'}: {1e3 * reference:.3f} ms")
-    for name, one in best.items():
-        print(f"{name:<16}{1e3 * one:>10.3f} ms{one / reference:>8.2f}")
+        for name, seconds in least({"still": (0.0, 0.0), **currents()}).items():
+            best[name] = min(best.get(name, float("inf")), seconds)
+        still = best["still"]
+        if options.against:
+            still = still_of(options.against)
+        reference = min(reference, still)
+    print(f"still water of {options.against or 'this version'}: {1e3 * reference:.3f} ms")
+    for name, seconds in best.items():
+        print(f"{name:<16}{1e3 * seconds:>10.3f} ms{seconds / reference:>8.2f}")
     print_load()
 
 

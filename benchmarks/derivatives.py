@@ -23,26 +23,28 @@ MANY_TRIALS = 256
 
 def main() -> None:
     """Print the table."""
-    robot, gaits = of_links(10), random_gaits(TRIALS)
-    trial = fastest(time.process_time, lambda: lc.swim_many(robot, gaits * 8, threads=1)) / (
-        8 * TRIALS
-    )
-    pairs = TRIALS * len(NAMES)
-    derivative = (
-        fastest(
-            time.process_time, lambda: compute_sensitivities(robot, gaits, names=NAMES, threads=1)
-        )
-        / pairs
-    )
+    robot = of_links(10)
+    gaits = random_gaits(TRIALS)
+
+    def swim_batch() -> object:
+        return lc.swim_many(robot, gaits * 8, threads=1)
+
+    def differentiate() -> object:
+        return compute_sensitivities(robot, gaits, names=NAMES, threads=1)
+
+    trial = fastest(time.process_time, swim_batch) / (8 * TRIALS)
+    n_derivatives = TRIALS * len(NAMES)
+    derivative = fastest(time.process_time, differentiate) / n_derivatives
     alone = fastest(time.perf_counter, lambda: compute_sensitivities(robot, gaits[0], names=NAMES))
     print(f"trial of a batch               {1e3 * trial:7.3f} ms")
     print(f"derivative to one parameter    {1e3 * derivative:7.3f} ms, x {derivative / trial:.1f}")
     runs = runs_of([lc.build_scenario(robot, gait) for gait in gaits])
     speeds = [FigureOfRun(i, "forward_velocity") for i in range(TRIALS)]
-    gradient = (
-        fastest(time.process_time, lambda: compute_row_gradients(runs, speeds, 30.0, threads=1))
-        / TRIALS
-    )
+
+    def go_backward() -> object:
+        return compute_row_gradients(runs, speeds, 30.0, threads=1)
+
+    gradient = fastest(time.process_time, go_backward) / TRIALS
     n_rows = runs[0].rows.size
     times_of_modules = {n: _time_modules(robot, n) for n in (TRIALS, MANY_TRIALS)}
     print(f"of one figure, to all {n_rows} rows {1e3 * gradient:5.3f} ms, x {gradient / trial:.1f}")

@@ -9,6 +9,7 @@ the extra `spatial`.
 """
 
 import time
+from functools import partial
 
 import mujoco
 import mujoco.rollout
@@ -32,13 +33,14 @@ def mujoco_model(robot: lc.Robot, step: float) -> mujoco.MjModel:
         '<flag contact="disable"/></option><worldbody>'
     )
     for i, module in enumerate(robot.modules):
-        at = robot.modules[i - 1].length if i else 0.0
+        position = robot.modules[i - 1].length
         joint = f'<joint name="j{i}" axis="0 0 1"/>'
         if i == 0:
+            position = 0.0
             joint = '<joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 1 0"/><joint axis="0 0 1"/>'
         a, b, l = module.section.half_height, module.section.half_width, module.half_length  # noqa: E741
         text += (
-            f'<body pos="{at} 0 0">{joint}<geom type="ellipsoid" size="{l} {b} {a}" pos="{l} 0 0" '
+            f'<body pos="{position} 0 0">{joint}<geom type="ellipsoid" size="{l} {b} {a}" pos="{l} 0 0" '
             f'mass="{module.mass}" fluidshape="ellipsoid"/>'
         )
     text += "</body>" * robot.n_links + "</worldbody><actuator>"
@@ -50,7 +52,7 @@ def mujoco_model(robot: lc.Robot, step: float) -> mujoco.MjModel:
     return mujoco.MjModel.from_xml_string(text + "</actuator></mujoco>")
 
 
-def swum(robot: lc.Robot, step: float) -> np.ndarray:
+def swim_in_mujoco(robot: lc.Robot, step: float) -> np.ndarray:
     """Where the center of mass is at the end."""
     model = mujoco_model(robot, step)
     data = mujoco.MjData(model)
@@ -58,15 +60,10 @@ def swum(robot: lc.Robot, step: float) -> np.ndarray:
     begin = data.subtree_com[1, :2].copy()
     state = np.zeros(mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_FULLPHYSICS))
     mujoco.mj_getState(model, data, state, mujoco.mjtState.mjSTATE_FULLPHYSICS)
-    time_, joint = (
-        np.arange(round(DURATION / step))[:, np.newaxis] * step,
-        np.arange(robot.n_joints),
-    )
-    control = (
-        GAIT.amplitude
-        * np.minimum(time_, 1.0)
-        * np.sin(GAIT.frequency * time_ + joint * GAIT.phase_shift)
-    )
+    times = np.arange(round(DURATION / step))[:, np.newaxis] * step
+    joint = np.arange(robot.n_joints)
+    phase = GAIT.frequency * times + joint * GAIT.phase_shift
+    control = GAIT.amplitude * np.minimum(times, 1.0) * np.sin(phase)
     mujoco.rollout.rollout(model, data, state[np.newaxis], control[np.newaxis])
     mujoco.mj_forward(model, data)
     return data.subtree_com[1, :2] - begin
@@ -76,37 +73,33 @@ def main() -> None:
     """Print the table."""
     robot, water = of_links(10), lc.load_water("paper-lateral")
     print(f"{'':<26}{'time [ms]':>10}{'x batch, pd':>13}{'speed [m/s]':>13}{'error':>10}")
-    gaits = [GAIT] * 80
-    batch = fastest(
-        time.process_time,
-        lambda: lc.swim_many(robot, gaits, environments=water, joints="pd", threads=1),
-        5,
-    ) / len(gaits)
-    many = [GAIT] * 800
-    fast = fastest(
-        time.process_time, lambda: lc.swim_many(robot, many, environments=water, threads=1), 5
-    ) / len(many)
-    exact = swum(robot, FINE)
+
+    def time_batch(joints: str, n: int) -> float:
+        """Time of one core per trial [s]."""
+        swim = partial(lc.swim_many, robot, [GAIT] * n, environments=water, joints=joints)
+        return fastest(time.process_time, partial(swim, threads=1), 5) / n
+
+    batch_times = {"pd": time_batch("pd", 80), "prescribed": time_batch("prescribed", 800)}
+    batch = batch_times["pd"]
+    exact = swim_in_mujoco(robot, FINE)
     for step in STEPS:
-        taken = fastest(time.process_time, lambda step=step: swum(robot, step), 2)
-        end = swum(robot, step)
+        seconds = fastest(time.process_time, partial(swim_in_mujoco, robot, step), 2)
+        end = swim_in_mujoco(robot, step)
         error = np.linalg.norm(end - exact) / np.linalg.norm(exact)
         speed = np.linalg.norm(end) / DURATION
         print(
-            f"{f'MuJoCo, {step:g} s':<26}{1e3 * taken:>10.1f}{taken / batch:>13.1f}{speed:>13.3f}{error:>10.1e}"
+            f"{f'MuJoCo, {step:g} s':<26}{1e3 * seconds:>10.1f}{seconds / batch:>13.1f}{speed:>13.3f}{error:>10.1e}"
         )
-    for joints, each in (("pd", batch), ("prescribed", fast)):
+    for joints, time_in_batch in batch_times.items():
         trial = lc.swim(robot, GAIT, environment=water, joints=joints)
         dt = float(trial.settings["dt"])
         fine = lc.swim(robot, GAIT, environment=water, joints=joints, dt=dt / 16).center_of_mass[-1]
         error = np.linalg.norm(trial.center_of_mass[-1] - fine) / np.linalg.norm(fine)
-        alone = fastest(
-            time.process_time,
-            lambda j=joints: lc.swim(robot, GAIT, environment=water, joints=j),
-            10,
-        )
-        for name, taken in ((f"swim, {joints}", alone), (f"batch, {joints}", each)):
-            line = f"{name:<26}{1e3 * taken:>10.2f}{taken / batch:>13.2f}"
+        swim = partial(lc.swim, robot, GAIT, environment=water, joints=joints)
+        time_alone = fastest(time.process_time, swim, 10)
+        rows = {f"swim, {joints}": time_alone, f"batch, {joints}": time_in_batch}
+        for name, seconds in rows.items():
+            line = f"{name:<26}{1e3 * seconds:>10.2f}{seconds / batch:>13.2f}"
             print(f"{line}{trial.forward_velocity:>13.3f}{error:>10.1e}")
     print_load()
 

@@ -16,7 +16,7 @@ import sys
 import time
 import warnings
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import gymnasium
 from _timing import print_load
@@ -27,14 +27,26 @@ NAME = laticauda_gym.IDS[0]
 MODEL = "".join(sys.argv[1:]) or "planar"
 COUNTS = (2, 8, 64, 1024) if MODEL == "planar" else (2, 8, 64)
 MOST_PROCESSES = 64
-ROUNDS, SECONDS = 5, 0.4  # of each way in each round, at least
+ROUNDS = 5
+SECONDS = 0.4
+"""Duration of each way in each round, at least [s]."""
 WAYS: dict[str, dict[str, Any]] = {
     "in lanes": {"vectorization_mode": "vector_entry_point", "threads": 1},
     "in lanes, all cores": {"vectorization_mode": "vector_entry_point", "threads": os.cpu_count()},
     "one by one": {"vectorization_mode": "sync"},
     "a process each": {"vectorization_mode": "async"},
 }
-Rates = dict[tuple[str, int], tuple[float, float]]
+
+
+class Rate(NamedTuple):
+    """Steps per second of all environments together."""
+
+    by_clock: float
+    by_processor: float
+
+
+Rates = dict[tuple[str, int], Rate]
+"""Rates by way and number of environments."""
 
 
 def processor_time() -> float:
@@ -48,49 +60,52 @@ def processor_time() -> float:
     return spent
 
 
-def steps_per_second(envs: Any, actions: list[Any]) -> tuple[float, float]:
-    """Of all environments together: by the clock, and by the processor."""
-    begun, spent, count = time.perf_counter(), processor_time(), 0
-    while time.perf_counter() - begun < SECONDS:
+def steps_per_second(envs: Any, actions: list[Any]) -> Rate:
+    """Step environments for a while, and return how fast they were."""
+    start = time.perf_counter()
+    processor_start = processor_time()
+    n_steps = 0
+    while time.perf_counter() - start < SECONDS:
         for action in actions:
             envs.step(action)
-        count += len(actions) * envs.num_envs
-    return count / (time.perf_counter() - begun), count / (processor_time() - spent)
+        n_steps += len(actions) * envs.num_envs
+    return Rate(
+        by_clock=n_steps / (time.perf_counter() - start),
+        by_processor=n_steps / (processor_time() - processor_start),
+    )
 
 
 def rates(n: int) -> Rates:
     """The best round of every way with this many environments."""
     best: Rates = {}
     for _ in range(ROUNDS):
-        for way, how in WAYS.items():
+        for way, settings in WAYS.items():
             if way == "a process each" and n > MOST_PROCESSES:
                 continue
-            envs = gymnasium.make_vec(NAME, num_envs=n, model=MODEL, **how)
+            envs = gymnasium.make_vec(NAME, num_envs=n, model=MODEL, **settings)
             envs.reset(seed=1)
             envs.action_space.seed(1)
             actions = [envs.action_space.sample() for _ in range(8)]
             envs.step(actions[0])
-            once, before = steps_per_second(envs, actions), best.get((way, n), (0.0, 0.0))
-            best[way, n] = (max(once[0], before[0]), max(once[1], before[1]))
+            rate = steps_per_second(envs, actions)
+            best_rate = best.get((way, n), Rate(0.0, 0.0))
+            best[way, n] = Rate(*map(max, rate, best_rate))
             envs.close()
     return best
 
 
-def print_table(best: Rates, which: int, words: str) -> None:
-    print(f"\n{words:<34}" + "".join(f"{n:>10}" for n in COUNTS) + "  environments")
+def print_table(rates: dict[tuple[str, int], float], title: str) -> None:
+    print(f"\n{title:<34}" + "".join(f"{n:>10}" for n in COUNTS) + "  environments")
+    fastest_of_way: dict[str, float] = {}
     for way in WAYS:
-        print(
-            f"{way:<34}"
-            + "".join(f"{best[way, n][which]:>10.0f}" for n in COUNTS if (way, n) in best)
-        )
-    most = {
-        way: max(found[which] for (name, _), found in best.items() if name == way) for way in WAYS
-    }
-    processes = best["a process each", MOST_PROCESSES][which]
+        rates_of_way = [rates[way, n] for n in COUNTS if (way, n) in rates]
+        fastest_of_way[way] = max(rates_of_way)
+        print(f"{way:<34}" + "".join(f"{rate:>10.0f}" for rate in rates_of_way))
     for way in ("in lanes", "in lanes, all cores"):
-        same = best[way, MOST_PROCESSES][which] / processes
-        print(f"{MOST_PROCESSES} {way}, of a process each: {same:.3g} times; ", end="")
-        print(f"the most, of the most in processes: {most[way] / most['a process each']:.3g} times")
+        as_many = rates[way, MOST_PROCESSES] / rates["a process each", MOST_PROCESSES]
+        at_best = fastest_of_way[way] / fastest_of_way["a process each"]
+        print(f"{MOST_PROCESSES} {way}, of a process each: {as_many:.3g} times; ", end="")
+        print(f"the most, of the most in processes: {at_best:.3g} times")
 
 
 def main() -> None:
@@ -100,8 +115,10 @@ def main() -> None:
     best: Rates = {}
     for n in COUNTS:
         best |= rates(n)
-    print_table(best, 0, "steps per second")
-    print_table(best, 1, "steps per second of processor")
+    by_clock = {key: rate.by_clock for key, rate in best.items()}
+    by_processor = {key: rate.by_processor for key, rate in best.items()}
+    print_table(by_clock, "steps per second")
+    print_table(by_processor, "steps per second of processor")
 
 
 if __name__ == "__main__":

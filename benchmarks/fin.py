@@ -26,17 +26,18 @@ def frequencies() -> None:
             opening="closed", n_strips=400, n_hinges=n, flexural_rigidity=1.0, added_mass=1.0
         )
         mass = fin.mass / fin.length + WATER.density * pi * (0.5 * fin.height) ** 2
-        found = bending_frequencies(replace(ROBOT, caudal_fin=fin), WATER)
+        computed = bending_frequencies(replace(ROBOT, caudal_fin=fin), WATER)
         exact = [root**2 * sqrt(1.0 / mass) / (2.0 * pi * fin.length**2) for root in ROOTS]
-        errors = [f"{100.0 * (f / e - 1.0):+8.3f}" for f, e in zip(found, exact, strict=False)] + [
-            "       -"
-        ] * (n == 1)
-        cut = replace(fin, opening="open")
-        first = (
-            bending_frequencies(replace(ROBOT, caudal_fin=cut), WATER)[0] / open_frequency(cut)
-            - 1.0
-        )
-        print(f"{n:6d} {' '.join(errors)}        {100.0 * first:+8.3f}")
+        errors = [
+            f"{100.0 * (frequency / exact_frequency - 1.0):+8.3f}"
+            for frequency, exact_frequency in zip(computed, exact, strict=False)
+        ]
+        if n == 1:
+            errors.append("       -")
+        open_fin = replace(fin, opening="open")
+        first, *_ = bending_frequencies(replace(ROBOT, caudal_fin=open_fin), WATER)
+        error_of_open = first / open_frequency(open_fin) - 1.0
+        print(f"{n:6d} {' '.join(errors)}        {100.0 * error_of_open:+8.3f}")
 
 
 def open_frequency(fin: CaudalFin, n: int = 200) -> float:
@@ -47,9 +48,9 @@ def open_frequency(fin: CaudalFin, n: int = 200) -> float:
     hinge = (np.arange(n) + 0.5) * fin.length / n
     arm = np.maximum(x - hinge[:, np.newaxis], 0.0)
     stiffness = 1.0 / (fin.length / n)
-    return float(
-        1.0 / np.sqrt(np.linalg.eigvalsh((arm * mass) @ arm.T / stiffness)[-1]) / (2.0 * pi)
-    )
+    flexibility = (arm * mass) @ arm.T / stiffness
+    largest_eigenvalue = np.linalg.eigvalsh(flexibility)[-1]
+    return float(1.0 / np.sqrt(largest_eigenvalue) / (2.0 * pi))
 
 
 def speeds() -> None:
@@ -58,8 +59,9 @@ def speeds() -> None:
         amplitude=radians(30), frequency=radians(130), phase_shift=radians(40)
     )
     print("Speed [m/s] and mean power [W] over 30 s; E I [N m^2], first bending frequency [Hz]")
-    none, rigid = lc.swim(lc.load_robot("mamba"), gait), lc.swim(ROBOT, gait)
-    print(f"no fin        {none.forward_velocity:.4f} {none.mean_power:6.2f}")
+    without_fin = lc.swim(lc.load_robot("mamba"), gait)
+    rigid = lc.swim(ROBOT, gait)
+    print(f"no fin        {without_fin.forward_velocity:.4f} {without_fin.mean_power:6.2f}")
     print(f"rigid         {rigid.forward_velocity:.4f} {rigid.mean_power:6.2f}")
     for rigidity in (100.0, 30.0, 10.0, 5.0, 3.0, 2.0, 1.0, 0.5, 0.3, 0.1, 0.03, 0.01, 0.001):
         trials = []
@@ -82,24 +84,23 @@ def gains() -> None:
     print(
         f"Mean gain in speed by the fin [%]: measured, rigid, E I = {', '.join(map(str, stiffnesses))}"
     )
-    fins = [
-        ROBOT.caudal_fin,
-        *(replace(ROBOT.caudal_fin, n_hinges=3, flexural_rigidity=x) for x in stiffnesses),
-    ]
+    fins = [ROBOT.caudal_fin]
+    for stiffness in stiffnesses:
+        fins.append(replace(ROBOT.caudal_fin, n_hinges=3, flexural_rigidity=stiffness))
     for kind in ("lateral_undulation", "eel_like"):
-        found = []
+        ratios = []
         for (gait, has_fin), speed in measured.items():
             with_fin = measured.get((gait, True))
             if gait.kind != kind or has_fin or speed is None or with_fin is None:
                 continue
-            alone = lc.swim(lc.load_robot("mamba"), gait).forward_velocity
-            swum = [
-                lc.swim(replace(ROBOT, caudal_fin=fin), gait).forward_velocity / alone
-                for fin in fins
-            ]
-            found.append([with_fin / speed, *swum])
-        mean = 100.0 * (np.mean(found, axis=0) - 1.0)
-        print(f"{kind} ({len(found)} gaits): {' '.join(f'{gain:5.1f}' for gain in mean)}")
+            without_fin = lc.swim(lc.load_robot("mamba"), gait).forward_velocity
+            ratios_of_gait = [with_fin / speed]
+            for fin in fins:
+                trial = lc.swim(replace(ROBOT, caudal_fin=fin), gait)
+                ratios_of_gait.append(trial.forward_velocity / without_fin)
+            ratios.append(ratios_of_gait)
+        mean_gains = 100.0 * (np.mean(ratios, axis=0) - 1.0)
+        print(f"{kind} ({len(ratios)} gaits): {' '.join(f'{gain:5.1f}' for gain in mean_gains)}")
 
 
 def steps() -> None:
@@ -114,10 +115,8 @@ def steps() -> None:
         worst = {dt: [0.0, 0.0] for dt in (0.01, 0.005, 0.0025)}
         for n in (1, 3, 6):
             for rigidity in rigidities:
-                robot = replace(
-                    ROBOT,
-                    caudal_fin=replace(ROBOT.caudal_fin, n_hinges=n, flexural_rigidity=rigidity),
-                )
+                fin = replace(ROBOT.caudal_fin, n_hinges=n, flexural_rigidity=rigidity)
+                robot = replace(ROBOT, caudal_fin=fin)
                 fine = lc.swim(robot, gait, dt=3e-4)
                 for dt, errors in worst.items():
                     trial = lc.swim(robot, gait, dt=dt)

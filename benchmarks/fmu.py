@@ -10,6 +10,7 @@ import math
 import sys
 import tempfile
 import time
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -23,33 +24,58 @@ GAIT = lc.lateral_undulation(
     amplitude=math.radians(30), frequency=math.radians(130), phase_shift=math.radians(40)
 )
 ROBOT = lc.load_robot("mamba-fin")
-DURATION = 30.0  # s
+DURATION = 30.0
+"""Duration of the swims [s]."""
 
 
-def begun(folder: str) -> tuple[Any, dict[str, int]]:
-    """An instance that is ready for its first step, and the value references by name."""
+def start_instance(folder: str) -> tuple[Any, dict[str, int]]:
+    """Return an instance that is ready for its first step, and the value references by name."""
     from fmpy import read_model_description
     from fmpy.fmi2 import FMU2Slave
 
-    told = read_model_description(folder)
-    identifier = told.coSimulation.modelIdentifier
-    one = FMU2Slave(
-        guid=told.guid, unzipDirectory=folder, modelIdentifier=identifier, instanceName="snake"
+    description = read_model_description(folder)
+    instance = FMU2Slave(
+        guid=description.guid,
+        unzipDirectory=folder,
+        modelIdentifier=description.coSimulation.modelIdentifier,
+        instanceName="snake",
     )
-    one.instantiate()
-    one.setupExperiment()
-    one.enterInitializationMode()
-    one.exitInitializationMode()
-    return one, {v.name: v.valueReference for v in told.modelVariables}
+    instance.instantiate()
+    instance.setupExperiment()
+    instance.enterInitializationMode()
+    instance.exitInitializationMode()
+    references = {v.name: v.valueReference for v in description.modelVariables}
+    return instance, references
 
 
-def alone(folder: str, interval: float) -> float:
+def time_steps(folder: str, interval: float) -> float:
     """Time of a core of the FMU's steps, and nothing else [s]."""
-    one, _ = begun(folder)
+    instance, _ = start_instance(folder)
     start = time.process_time()
     for k in range(round(DURATION / interval)):
-        one.doStep(k * interval, interval)
+        instance.doStep(k * interval, interval)
     return time.process_time() - start
+
+
+def largest_difference(outputs: Any, names: list[str], values: np.ndarray) -> float:
+    """Largest difference between outputs of an FMU and the columns of a trial's values."""
+    differences = [
+        float(np.abs(outputs[name] - column).max())
+        for name, column in zip(names, values.T, strict=False)
+    ]
+    return max(differences)
+
+
+def differences_of(outputs: Any, trial: lc.Trial) -> list[float]:
+    """Largest differences between an FMU's run and a trial: [m], [rad], [N m]."""
+    positions = ["center_of_mass.x", "center_of_mass.y"]
+    angles = [f"link_angle[{i}]" for i in range(9)]
+    torques = [f"joint_torque[{i}]" for i in range(8)]
+    return [
+        largest_difference(outputs, positions, trial.center_of_mass),
+        largest_difference(outputs, angles, trial.link_angle),
+        largest_difference(outputs, torques, trial.joint_torque),
+    ]
 
 
 def speeds(folder: Path) -> None:
@@ -62,44 +88,26 @@ def speeds(folder: Path) -> None:
     for joints in ("prescribed", "servo"):
         export_fmu(folder / f"{joints}.fmu", ROBOT, GAIT, joints=joints)
         unpacked = extract(str(folder / f"{joints}.fmu"), str(folder / joints))
-        told = read_model_description(unpacked)
+        description = read_model_description(unpacked)
         for interval in (0.05, 0.01):
-
-            def in_fmpy(
-                unpacked: str = unpacked, told: Any = told, interval: float = interval
-            ) -> Any:
-                settings = {
-                    "stop_time": DURATION,
-                    "step_size": interval,
-                    "output_interval": interval,
-                }
-                return simulate_fmu(unpacked, model_description=told, **settings)
-
-            def in_python(joints: str = joints, interval: float = interval) -> lc.Trial:
-                return lc.swim(ROBOT, GAIT, DURATION, joints=joints, sample_interval=interval)
-
-            seen, trial = in_fmpy(), in_python()
-            gaps = [
-                max(
-                    float(np.abs(seen[name + part] - column).max())
-                    for part, column in zip(parts, of.T, strict=False)
-                )
-                for name, parts, of in (
-                    ("center_of_mass", (".x", ".y"), trial.center_of_mass),
-                    ("link_angle", [f"[{i}]" for i in range(9)], trial.link_angle),
-                    ("joint_torque", [f"[{i}]" for i in range(8)], trial.joint_torque),
-                )
-            ]
-            times = (
-                fastest(time.process_time, in_fmpy, 3),
-                min(alone(unpacked, interval) for _ in range(3)),
+            in_fmpy = partial(
+                simulate_fmu,
+                unpacked,
+                model_description=description,
+                stop_time=DURATION,
+                step_size=interval,
+                output_interval=interval,
             )
-            rates = [DURATION / t for t in (*times, fastest(time.process_time, in_python, 3))]
-            print(
-                f"{joints:<12}{1e3 * interval:>10.0f}{rates[0]:>12.0f}{rates[1]:>10.0f}{rates[2]:>10.0f}",
-                end="",
+            in_python = partial(
+                lc.swim, ROBOT, GAIT, DURATION, joints=joints, sample_interval=interval
             )
-            print("".join(f"{gap:>10.0e}" for gap in gaps))
+            differences = differences_of(in_fmpy(), in_python())
+            rate_of_fmpy = DURATION / fastest(time.process_time, in_fmpy, 3)
+            rate_of_steps = DURATION / min(time_steps(unpacked, interval) for _ in range(3))
+            rate_of_swim = DURATION / fastest(time.process_time, in_python, 3)
+            line = f"{joints:<12}{1e3 * interval:>10.0f}"
+            line += f"{rate_of_fmpy:>12.0f}{rate_of_steps:>10.0f}{rate_of_swim:>10.0f}"
+            print(line + "".join(f"{difference:>10.0e}" for difference in differences))
 
 
 def order(folder: Path) -> None:
@@ -112,13 +120,13 @@ def order(folder: Path) -> None:
     before = math.nan
     for interval in (0.08, 0.04, 0.02, 0.01, 0.005):
         trial = lc.swim(ROBOT, GAIT, 10.0, joints="servo", sample_interval=interval)
-        one, number = begun(unpacked)
-        joints = [number[f"references[{i}]"] for i in range(ROBOT.n_joints)]
-        for k, asked in enumerate(trial.joint_angle_ref[:-1]):
-            one.setReal(joints, asked.tolist())
-            one.doStep(k * interval, interval)
-        there = one.getReal([number["center_of_mass.x"], number["center_of_mass.y"]])
-        error = float(np.linalg.norm(np.array(there) - trial.center_of_mass[-1]))
+        instance, references = start_instance(unpacked)
+        joints = [references[f"references[{i}]"] for i in range(ROBOT.n_joints)]
+        for k, angles in enumerate(trial.joint_angle_ref[:-1]):
+            instance.setReal(joints, angles.tolist())
+            instance.doStep(k * interval, interval)
+        end = instance.getReal([references["center_of_mass.x"], references["center_of_mass.y"]])
+        error = float(np.linalg.norm(np.array(end) - trial.center_of_mass[-1]))
         print(f"{1e3 * interval:>10.0f}{1e3 * error:>12.2f}{math.log2(before / error):>8.2f}")
         before = error
 

@@ -20,19 +20,22 @@ import laticauda as lc
 FIGURES = ("forward_velocity", "net_power", "mean_power", "heading", "center_of_mass")
 
 
-def swum(gaits: list[lc.Gait], joints: str, device: str) -> tuple[lc.Swims, float]:
+def time_swim(gaits: list[lc.Gait], joints: str, device: str) -> tuple[lc.Swims, float]:
     """What comes out, and how long it took [s]."""
-    begun = time.perf_counter()
+    start = time.perf_counter()
     swims = lc.swim_many("mamba-fin", gaits, joints=joints, device=device)
-    return swims, time.perf_counter() - begun
+    return swims, time.perf_counter() - start
 
 
-def difference(one: lc.Swims, other: lc.Swims) -> float:
+def difference(of_cores: lc.Swims, of_gpu: lc.Swims) -> float:
     """The largest of any figure of any trial that succeeded, over the largest value of that figure [-]."""
-    pairs = (
-        (getattr(one, name)[one.succeeded], getattr(other, name)[one.succeeded]) for name in FIGURES
-    )
-    return max(float(np.abs(a - b).max() / np.abs(a).max()) for a, b in pairs)
+    largest = 0.0
+    for name in FIGURES:
+        values = getattr(of_cores, name)[of_cores.succeeded]
+        other_values = getattr(of_gpu, name)[of_cores.succeeded]
+        relative = np.abs(values - other_values).max() / np.abs(values).max()
+        largest = max(largest, float(relative))
+    return largest
 
 
 def main() -> None:
@@ -50,13 +53,14 @@ def main() -> None:
     )
     for joints in ("prescribed", "servo"):
         gaits = random_gaits(max(options.trials))
-        _, first = swum(gaits[:64], joints, "cuda")
-        swum(gaits[:64], joints, "cpu")
+        _, seconds_of_first = time_swim(gaits[:64], joints, "cuda")
+        time_swim(gaits[:64], joints, "cpu")
         for n in options.trials:
-            there, seconds = swum(gaits[:n], joints, "cuda")
-            here, own = swum(gaits[:n], joints, "cpu")
-            rates = f"{n / seconds:>12.0f}{n / own:>13.0f}{difference(here, there):>10.1e}"
-            print(f"{joints:<12}{n:>8}{first:>16.1f}{rates}", flush=True)
+            on_gpu, gpu_seconds = time_swim(gaits[:n], joints, "cuda")
+            on_cores, core_seconds = time_swim(gaits[:n], joints, "cpu")
+            rates = f"{n / gpu_seconds:>12.0f}{n / core_seconds:>13.0f}"
+            differ = f"{difference(on_cores, on_gpu):>10.1e}"
+            print(f"{joints:<12}{n:>8}{seconds_of_first:>16.1f}{rates}{differ}", flush=True)
     print_load()
 
 

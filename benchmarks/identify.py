@@ -5,6 +5,7 @@ one. The reference is one batch of those 20 trials.
 """
 
 import time
+from functools import partial
 
 from _timing import fastest, print_load, random_gaits
 
@@ -21,25 +22,21 @@ NAMES = (
 
 def main() -> None:
     """Print the table."""
-    robot, gaits, water = lc.load_robot("mamba"), random_gaits(20), lc.load_water("paper-eel")
-    true = lc.swim_many(robot, gaits, environments=water).forward_velocity
-    measured = [
-        Measurement(
-            name=f"{i}",
-            scenario=lc.build_scenario(robot, gait),
-            figures={"forward_velocity": (float(speed), 0.001)},
-        )
-        for i, (gait, speed) in enumerate(zip(gaits, true, strict=True))
-    ]
+    robot = lc.load_robot("mamba")
+    gaits = random_gaits(20)
+    swims = lc.swim_many(robot, gaits, environments=lc.load_water("paper-eel"))
+    measurements: list[Measurement] = []
+    for i, (gait, speed) in enumerate(zip(gaits, swims.forward_velocity, strict=True)):
+        scenario = lc.build_scenario(robot, gait)
+        figures = {"forward_velocity": (float(speed), 0.001)}
+        measurements.append(Measurement(name=f"{i}", scenario=scenario, figures=figures))
     for n_starts in (1, 4):
+        identify = partial(fit, measurements, parameters=NAMES, n_starts=n_starts)
         for name, clock in (("wall", time.perf_counter), ("processor", time.process_time)):
-            took = fastest(
-                clock, lambda n=n_starts: fit(measured, parameters=NAMES, n_starts=n), repeats=2
-            )
-            print(f"4 parameters, 20 trials, {n_starts} starts: {took:5.2f} s ({name})")
-    print(
-        f"one batch of the trials:          {fastest(time.perf_counter, lambda: lc.swim_many(robot, gaits)):7.4f} s"
-    )
+            seconds = fastest(clock, identify, repeats=2)
+            print(f"4 parameters, 20 trials, {n_starts} starts: {seconds:5.2f} s ({name})")
+    seconds = fastest(time.perf_counter, lambda: lc.swim_many(robot, gaits))
+    print(f"one batch of the trials:          {seconds:7.4f} s")
     print_load()
 
 

@@ -17,6 +17,8 @@ import re
 import subprocess
 import sys
 import time
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import cast
 
@@ -43,11 +45,12 @@ WAVE = ("amplitude", "frequency", "phase_shift")
 
 def time_program(program: Path) -> float:
     """Return the processor time per trial of the reference program, without what it takes to begin [s]."""
-    before, start = os.times(), time.perf_counter()
-    said = subprocess.run([program, "400"], capture_output=True, text=True, check=True).stdout
-    after, passed = os.times(), time.perf_counter() - start
-    wall = float(re.findall(r"ms/trial\s+([\d.]+)", said)[0])
-    return 1e-3 * wall * min(1.0, (after.children_user - before.children_user) / passed)
+    user_before = os.times().children_user
+    start = time.perf_counter()
+    process = subprocess.run([program, "400"], capture_output=True, text=True, check=True)
+    share_of_core = (os.times().children_user - user_before) / (time.perf_counter() - start)
+    milliseconds = float(re.findall(r"ms/trial\s+([\d.]+)", process.stdout)[0])
+    return 1e-3 * milliseconds * min(1.0, share_of_core)
 
 
 class Batch:
@@ -111,12 +114,10 @@ class Batch:
     def print_convergence(self) -> None:
         """Print how far the trials end from where those with a small step end."""
         gaits = [PROGRAM_GAIT, *self.gaits[:CONVERGED_TRIALS]]
-        ends = [
-            lc.swim_many(self.robot, gaits, DURATION, dt=dt).center_of_mass
-            for dt in (STEP, SMALLER_STEP)
-        ]
-        distance = np.linalg.norm(ends[1], axis=1)
-        errors = np.linalg.norm(ends[0] - ends[1], axis=1) / distance
+        end = lc.swim_many(self.robot, gaits, DURATION, dt=STEP).center_of_mass
+        fine_end = lc.swim_many(self.robot, gaits, DURATION, dt=SMALLER_STEP).center_of_mass
+        distance = np.linalg.norm(fine_end, axis=1)
+        errors = np.linalg.norm(end - fine_end, axis=1) / distance
         print(
             f"end against that of a step {STEP / SMALLER_STEP:.0f} times smaller, of the distance: "
             f"the program's gait {errors[0]:.1e}; of {CONVERGED_TRIALS} others "
@@ -131,31 +132,34 @@ def costs() -> dict[str, float]:
     from laticauda.models.planar.layout import build_layout
     from laticauda.models.simulate import compute_sensitivities
 
-    robot, gaits, clock = of_links(10), random_gaits(TRIALS), time.process_time
-    water, gait = lc.load_water("paper-lateral"), gaits[0]
-    found = {
-        "batch, per trial": fastest(clock, lambda: lc.swim_many(robot, gaits, threads=1), ROUNDS)
-        / TRIALS
-    }
+    robot = of_links(10)
+    gaits = random_gaits(TRIALS)
+    gait = gaits[0]
+
+    def time_of(work: Callable[[], object], rounds: int = ROUNDS) -> float:
+        return fastest(time.process_time, work, rounds)
+
+    seconds: dict[str, float] = {}
+    batch = time_of(lambda: lc.swim_many(robot, gaits, threads=1))
+    seconds["batch, per trial"] = batch / TRIALS
     for joints in ("prescribed", "pd", "servo"):
-        found[f"swim, {joints}"] = fastest(
-            clock, lambda j=joints: lc.swim(robot, gait, joints=j), ROUNDS
-        )
+        seconds[f"swim, {joints}"] = time_of(partial(lc.swim, robot, gait, joints=joints))
     names = ["gait.amplitude", "gait.frequency", "gait.phase_shift", "gait.offset"]
-    slopes = fastest(
-        clock, lambda: compute_sensitivities(robot, gaits[:64], names=names, threads=1), ROUNDS
+    slopes = time_of(lambda: compute_sensitivities(robot, gaits[:64], names=names, threads=1))
+    seconds["derivative"] = (slopes / 64 - seconds["batch, per trial"]) / len(names)
+    law = PathFollowing(
+        gait=gait,
+        path=StraightLine(),
+        guidance=LineOfSight(look_ahead_distance=1.8),
+        heading=HeadingController(gain=0.4, max_offset=0.35),
     )
-    found["derivative"] = (slopes / 64 - found["batch, per trial"]) / len(names)
-    heading, guidance = (
-        HeadingController(gain=0.4, max_offset=0.35),
-        LineOfSight(look_ahead_distance=1.8),
-    )
-    law = PathFollowing(gait=gait, path=StraightLine(), guidance=guidance, heading=heading)
-    followed = fastest(clock, lambda: lc.swim(robot, law, 30.0), ROUNDS)
-    held = fastest(clock, lambda: lc.swim(robot, gait), ROUNDS)
-    found["control instant"] = (followed - held) / (30.0 / law.interval)
-    found["layout"] = fastest(clock, lambda: build_layout(robot, water), 50)
-    return found
+    with_controller = time_of(lambda: lc.swim(robot, law, 30.0))
+    without_controller = time_of(lambda: lc.swim(robot, gait))
+    n_instants = 30.0 / law.interval
+    seconds["control instant"] = (with_controller - without_controller) / n_instants
+    water = lc.load_water("paper-lateral")
+    seconds["layout"] = time_of(lambda: build_layout(robot, water), 50)
+    return seconds
 
 
 def main() -> None:

@@ -6,6 +6,7 @@ that of 10 links.
 """
 
 import time
+from functools import partial
 
 from _timing import fastest, of_links, print_load, random_gaits
 
@@ -19,28 +20,23 @@ TRIALS = 64
 def main() -> None:
     """Print the table."""
     gaits = random_gaits(TRIALS)
-    found: dict[int, tuple[float, float]] = {}
+    settings = {"duration": DURATION, "dt": STEP, "sample_interval": 0.5}
+    times_of_links: dict[int, tuple[float, float]] = {}
     for n in LINKS:
         robot = of_links(n)
-        alone = fastest(
-            time.process_time,
-            lambda r=robot: lc.swim(r, gaits[0], DURATION, dt=STEP, sample_interval=0.5),
-            20,
-        )
-        batch = fastest(
-            time.process_time,
-            lambda r=robot: lc.swim_many(
-                r, gaits, DURATION, dt=STEP, sample_interval=0.5, threads=1
-            ),
-        )
-        found[n] = alone, batch / TRIALS
+        swim_alone = partial(lc.swim, robot, gaits[0], **settings)
+        swim_batch = partial(lc.swim_many, robot, gaits, threads=1, **settings)
+        alone = fastest(time.process_time, swim_alone, 20)
+        in_batch = fastest(time.process_time, swim_batch) / TRIALS
+        times_of_links[n] = alone, in_batch
     print(
         f"{'links':>6}{'alone [us]':>12}{'per link':>10}{'ratio':>7}{'batch [us]':>12}{'per link':>10}{'ratio':>7}"
     )
-    for n, times in found.items():
+    for n, times in times_of_links.items():
         line = f"{n:>6}"
-        for each, reference in zip(times, found[10], strict=True):
-            line += f"{1e6 * each:>12.0f}{1e6 * each / n:>10.1f}{each / n / (reference / 10):>7.2f}"
+        for seconds, seconds_of_ten in zip(times, times_of_links[10], strict=True):
+            ratio = (seconds / n) / (seconds_of_ten / 10)
+            line += f"{1e6 * seconds:>12.0f}{1e6 * seconds / n:>10.1f}{ratio:>7.2f}"
         print(line)
     print_load()
 

@@ -80,26 +80,22 @@ def main() -> None:
     def error(end: np.ndarray) -> float:
         return float(np.linalg.norm(end - exact) / np.linalg.norm(exact))
 
+    def swim_batch() -> object:
+        return lc.swim_many(robot, [GAIT] * 800, environments=water, threads=1)
+
     kernel = fastest(time.process_time, lambda: lc.swim(robot, GAIT, environment=water), 30)
-    batch = (
-        fastest(
-            time.process_time,
-            lambda: lc.swim_many(robot, [GAIT] * 800, environments=water, threads=1),
-        )
-        / 800
-    )
-    swum = error(lc.swim(robot, GAIT, environment=water).center_of_mass[-1])
+    batch = fastest(time.process_time, swim_batch) / 800
+    error_of_swim = error(lc.swim(robot, GAIT, environment=water).center_of_mass[-1])
     print(f"{'':<20}{'time [ms]':>11}{'x swim':>9}{'x batch':>10}{'error':>10}")
     slope = right_side(robot, water)
     for name, settings in METHODS.items():
         start = time.process_time()
         end = solve_ivp(slope, (0.0, DURATION), np.zeros(6), **settings).y[1:3, -1]
-        taken = time.process_time() - start
-        print(
-            f"{name:<20}{1e3 * taken:>11.0f}{taken / kernel:>9.0f}{taken / batch:>10.0f}{error(end):>10.1e}"
-        )
-    print(f"{'swim':<20}{1e3 * kernel:>11.2f}{1:>9}{kernel / batch:>10.1f}{swum:>10.1e}")
-    print(f"{'trial of a batch':<20}{1e3 * batch:>11.3f}{'':>9}{1:>10}{swum:>10.1e}")
+        seconds = time.process_time() - start
+        ratios = f"{seconds / kernel:>9.0f}{seconds / batch:>10.0f}"
+        print(f"{name:<20}{1e3 * seconds:>11.0f}{ratios}{error(end):>10.1e}")
+    print(f"{'swim':<20}{1e3 * kernel:>11.2f}{1:>9}{kernel / batch:>10.1f}{error_of_swim:>10.1e}")
+    print(f"{'trial of a batch':<20}{1e3 * batch:>11.3f}{'':>9}{1:>10}{error_of_swim:>10.1e}")
     print_load()
 
 

@@ -57,51 +57,53 @@ def controllers() -> dict[str, Any]:
     steps = [OffsetSteps(gait=replace(GAIT, frequency=math.radians(f))) for f in FREQUENCIES_DEG_S]
     model = fit_averaged([lc.run(still, each, each.duration) for each in steps])
     print(model)
-    line, limit = lc.StraightLine(), math.radians(20.0)
+    line = lc.StraightLine()
     near = lc.LineOfSight(look_ahead_distance=0.18)
     far = lc.LineOfSight(look_ahead_distance=1.62)
-    learns = lc.IntegralLineOfSight(look_ahead_distance=1.62, integral_gain=0.12)
+    integral = lc.IntegralLineOfSight(look_ahead_distance=1.62, integral_gain=0.12)
 
-    def sight(law: Any, gain: float) -> lc.PathFollowing:
-        heading = lc.HeadingController(gain=gain, max_offset=limit)
+    def follow(law: Any, gain: float) -> lc.PathFollowing:
+        heading = lc.HeadingController(gain=gain, max_offset=math.radians(20.0))
         return lc.PathFollowing(gait=GAIT, path=line, guidance=law, heading=heading)
 
-    free = (math.radians(60.0), math.radians(120.0))
-    plans = {"gait": GAIT, "path": line, "model": model, "speed": 0.12}
+    plan = Timed(gait=GAIT, path=line, model=model, speed=0.12)
+    limits = (math.radians(60.0), math.radians(120.0))
     return {
-        "LOS, 0.18 m": sight(near, 0.4),
-        "LOS, 1.62 m": sight(far, 0.25),
-        "ILOS, 1.62 m": sight(learns, 0.25),
-        "MPC, 90 deg/s": Timed(**plans),
-        "MPC, 15 W": Timed(**plans, frequency_limits=free, power_limit=POWER_LIMIT),
+        "LOS, 0.18 m": follow(near, 0.4),
+        "LOS, 1.62 m": follow(far, 0.25),
+        "ILOS, 1.62 m": follow(integral, 0.25),
+        "MPC, 90 deg/s": plan,
+        "MPC, 15 W": replace(plan, frequency_limits=limits, power_limit=POWER_LIMIT),
     }
 
 
 def row(name: str, current: float, trial: lc.Trial) -> str:
     assert trial.period is not None
-    middle, error = following.mean_error(
-        trial.time, trial.signals["cross_track_error"], trial.period
-    )
-    late, end = error[middle >= LATE], trial.time >= LATE
-    spent, along = np.ptp(trial.work[end, 0]), np.ptp(trial.signals["along_track_distance"][end])
-    seconds = DURATION - LATE
-    words = f"| {name} | {current:.2f} | {1e3 * math.sqrt(np.mean(late**2)):.1f} | {1e3 * np.mean(late):.1f} "
-    words += f"| {along / seconds:.3f} | {spent / seconds:.1f} | {spent / along:.0f} "
+    time, error = following.mean_error(trial.time, trial.signals["cross_track_error"], trial.period)
+    late_error = error[time >= LATE]
+    rms = math.sqrt(np.mean(late_error**2))
+    is_late = trial.time >= LATE
+    energy = np.ptp(trial.work[is_late, 0])
+    distance = np.ptp(trial.signals["along_track_distance"][is_late])
+    duration = DURATION - LATE
+    cells = [name, f"{current:.2f}", f"{1e3 * rms:.1f}", f"{1e3 * np.mean(late_error):.1f}"]
+    cells += [f"{distance / duration:.3f}", f"{energy / duration:.1f}"]
+    cells += [f"{energy / distance:.0f}"]
     if not INSTANTS:
-        return f"{words}| | |"
-    half, most = (1e3 * float(np.percentile(INSTANTS, share)) for share in (50, 99))
+        return f"| {' | '.join(cells)} | | |"
     assert trial.signals["is_fallback"].max() == 0.0
-    return f"{words}| {half:.1f} | {most:.1f} |"
+    cells += [f"{1e3 * np.percentile(INSTANTS, share):.1f}" for share in (50, 99)]
+    return f"| {' | '.join(cells)} |"
 
 
 def main() -> None:
     print_load()
-    each = controllers()
+    compared = controllers()
     print(
         "| law | current [m/s] | rms error [mm] | mean [mm] | along [m/s] | power [W] | J/m | p50 [ms] | p99 [ms] |"
     )
     print("|---|---|---|---|---|---|---|---|---|")
-    for name, controller in each.items():
+    for name, controller in compared.items():
         for current in CURRENTS:
             INSTANTS.clear()
             trial = lc.run(

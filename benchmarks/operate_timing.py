@@ -24,7 +24,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Generator
-from contextlib import ExitStack, contextmanager, nullcontext
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -66,44 +66,145 @@ while due < end:
     count(number)
     print(due, late, time.monotonic() - due)
 """
-COUNTED = 0.003  # what the counting loop counts for [s]
+PERIOD = 0.01
+"""Period of all loops [s]."""
+COUNTED = 0.003
+"""Time for which the counting loop counts in every period [s]."""
 SPREAD = (50.0, 99.0, 99.9, 100.0)
+"""Percentiles that are printed."""
+
+
+class Loop:
+    """A loop in a process of its own; it has figures after it has ended."""
+
+    due: np.ndarray
+    """Times at which its periods were due [s]."""
+    lateness: np.ndarray
+    """How late they began [s]."""
+    latency: np.ndarray
+    """How late they ended [s]."""
+
+    def read(self, printed: str) -> None:
+        """Take the figures from what the loop has printed; its last line may be cut off."""
+        rows = [line.split() for line in printed.splitlines()[:-1]]
+        self.due, self.lateness, self.latency = np.array(rows, dtype=float).T
+
+    def missed_around(self, moment: float) -> bool:
+        """Return whether it missed a deadline within two periods of a moment [s]."""
+        is_near = np.abs(self.due - moment) < 2.0 * PERIOD
+        return bool(np.any(is_near & (self.lateness > PERIOD)))
 
 
 @contextmanager
-def beside(duration: float, priority: str, work: float = 0.0) -> Generator[list[np.ndarray]]:
-    """A loop in a process of its own; at the end its due times, lateness and latency, [s], are in the list."""
-    told: list[np.ndarray] = []
+def loop_beside(duration: float, priority: str, work: float = 0.0) -> Generator[Loop]:
+    """A loop that works for some time in every period [s], beside what the block does."""
+    loop = Loop()
+    command = [sys.executable, "-c", BARE, str(duration + 30.0), priority, str(work)]
     with tempfile.TemporaryFile("w+") as printed:
-        loop = subprocess.Popen(
-            [sys.executable, "-c", BARE, str(duration + 30.0), priority, str(work)], stdout=printed
-        )
+        process = subprocess.Popen(command, stdout=printed)
         try:
-            yield told
+            yield loop
         finally:
-            loop.terminate()
-            loop.wait()
+            process.terminate()
+            process.wait()
         printed.seek(0)
-        told.append(
-            np.array(
-                [
-                    [float(word) for word in line.split()]
-                    for line in printed.read().splitlines()[:-1]
-                ]
-            )
-        )
+        loop.read(printed.read())
 
 
-def missed_at(moment: float, bare: np.ndarray) -> bool:
-    """Whether the bare loop missed a deadline of its own within two periods of a moment."""
-    return bool(np.any((np.abs(bare[:, 0] - moment) < 0.02) & (bare[:, 1] > 0.01)))
+def describe_spread(seconds: np.ndarray) -> str:
+    return f"{SPREAD} % {1e3 * np.percentile(seconds, SPREAD)} ms"
 
 
-def print_missed(missed: np.ndarray, bare: np.ndarray) -> None:
+def print_missed(missed: np.ndarray, bare: Loop) -> None:
     """Print how late the bare loop was, and how many of the deadlines that were missed it met."""
-    met = [moment for moment in missed if not missed_at(moment, bare)]
-    print(f"bare loop: lateness {SPREAD} % {1e3 * np.percentile(bare[:, 1], SPREAD)} ms")
-    print(f"missed: {len(missed)}, while the bare loop met its own: {len(met)}")
+    met_by_bare = [moment for moment in missed if not bare.missed_around(moment)]
+    print(f"bare loop: lateness {describe_spread(bare.lateness)}")
+    print(f"missed: {len(missed)}, while the bare loop met its own: {len(met_by_bare)}")
+
+
+def time_counting(duration: float, priority: str) -> None:
+    """Print how punctual a loop is that only counts."""
+    with (
+        loop_beside(duration, priority) as bare,
+        loop_beside(duration, priority, COUNTED) as counting,
+    ):
+        time.sleep(duration)
+    print(
+        f"counting loop: {counting.due.size} ticks, lateness {describe_spread(counting.lateness)}"
+    )
+    print(f"counting loop: latency {describe_spread(counting.latency)}")
+    print_missed(counting.due[counting.latency > PERIOD], bare)
+
+
+@contextmanager
+def lab_in_another_process() -> Generator[dict[str, Any]]:
+    """A virtual tank; where it can be reached."""
+    program = [sys.executable, "-c", "from laticauda.cli import main; raise SystemExit(main())"]
+    options = ["--robot", "mamba-modules", "--bus", BUS, "--port", "0", "--position", "0", "0.5"]
+    lab: Any = subprocess.Popen(
+        [*program, "lab", "--json", *options],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    try:
+        yield json.loads(lab.stdout.readline())
+    finally:
+        lab.terminate()
+        lab.wait(10)
+
+
+def operation_at(addresses: dict[str, Any], duration: float, learning: bool) -> Operation:
+    """A trial that goes on, however late the loop is."""
+    gait = lc.lateral_undulation(
+        amplitude=math.radians(12), frequency=math.radians(60), phase_shift=math.radians(40)
+    )
+    patient = Limits(
+        max_lateness=10.0, joint_timeout=10.0, heartbeat_timeout=10.0, mocap_timeout=10.0
+    )
+    return Operation(
+        name="timing",
+        robot="mamba-modules",
+        gait=gait,
+        following=Following(),
+        duration=duration,
+        countdown=0.0,
+        supply_voltage=35.0,
+        connection=Connection(
+            bus_address=BUS, mocap_address=addresses["qtm"], meter_address=addresses["meter"]
+        ),
+        tank=CaptureVolume(volume_x=(-1.0, 11.0)),
+        calibration=Calibration(joint_zeros=True, idle_time=0.5, still_time=0.5),
+        limits=patient,
+        learning=Learning() if learning else None,
+    )
+
+
+def time_operator(duration: float, priority: str, learning: bool) -> None:
+    """Print how punctual the operator's loop is, and draw it."""
+    with lab_in_another_process() as addresses:
+        operation = operation_at(addresses, duration, learning)
+        twin = lc.build_plant(operation.body(), operation.pool(), joints="servo")
+        clock = clocks.Clock()
+        with (
+            tempfile.TemporaryDirectory() as folder,
+            loop_beside(duration, priority) as bare,
+        ):
+            result = operate(operation, Path(folder), clock=clock, twin=twin)
+            offset = time.monotonic() - clock.now()
+    timing = result.timing
+    assert timing is not None
+    print(f"{result.reason} {len(timing.times)} ticks of {1e3 * timing.interval:g} ms")
+    for name, value in timing.summary().items():
+        if isinstance(value, float):
+            print(f"{name:<18}{1e3 * value:>10.3f} ms")
+        else:
+            print(f"{name:<18}{value:>10}")
+    print_missed(timing.times[timing.latency > timing.interval, 0] + offset, bare)
+    Path("out").mkdir(exist_ok=True)
+    note = "tank in another process, everything recorded"
+    sheet = timing_sheet(timing.lateness, timing.latency, timing.interval, note=note)
+    save_figure(sheet, "out/operate_timing.png")
 
 
 def main() -> None:
@@ -115,90 +216,15 @@ def main() -> None:
     parser.add_argument(
         "--counting", action="store_true", help="a loop that only counts, instead of the operator"
     )
-    given = parser.parse_args()
-    duration, how = given.duration, "plain" if given.plain else "urgent"
-    if given.counting:
-        with beside(duration, how) as none, beside(duration, how, COUNTED) as counts:
-            time.sleep(duration)
-        due, late, latency = counts[0].T
-        print(
-            f"counting loop: {due.size} ticks, lateness {SPREAD} % {1e3 * np.percentile(late, SPREAD)} ms"
-        )
-        print(f"counting loop: latency {SPREAD} % {1e3 * np.percentile(latency, SPREAD)} ms")
-        print_missed(due[latency > 0.01], none[0])
-        print_load()
-        return
-    if given.plain:
-        clocks.urgent = lambda: nullcontext("The loop has normal priority.")
-    words = [
-        "lab",
-        "--json",
-        "--robot",
-        "mamba-modules",
-        "--bus",
-        BUS,
-        "--port",
-        "0",
-        "--position",
-        "0",
-        "0.5",
-    ]
-    program = [sys.executable, "-c", "from laticauda.cli import main; raise SystemExit(main())"]
-    lab: Any = subprocess.Popen(
-        [*program, *words], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
-    )
-    try:
-        at = json.loads(lab.stdout.readline())
-        what = Operation(
-            name="timing",
-            robot="mamba-modules",
-            gait=lc.lateral_undulation(
-                amplitude=math.radians(12), frequency=math.radians(60), phase_shift=math.radians(40)
-            ),
-            following=Following(),
-            duration=duration,
-            countdown=0.0,
-            supply_voltage=35.0,
-            connection=Connection(
-                bus_address="udp_multicast:239.74.163.2:43119",
-                mocap_address=at["qtm"],
-                meter_address=at["meter"],
-            ),
-            tank=CaptureVolume(volume_x=(-1.0, 11.0)),
-            calibration=Calibration(joint_zeros=True, idle_time=0.5, still_time=0.5),
-            # The run is to go on, however late the loop is.
-            limits=Limits(
-                max_lateness=10.0, joint_timeout=10.0, heartbeat_timeout=10.0, mocap_timeout=10.0
-            ),
-            learning=Learning() if given.learning else None,
-        )
-        twin = lc.build_plant(what.body(), what.pool(), joints="servo")
-        clock = clocks.Clock()
-        with ExitStack() as stack:
-            folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
-            none = stack.enter_context(beside(duration, how))
-            result = operate(what, folder, clock=clock, twin=twin)
-            offset = time.monotonic() - clock.now()
-    finally:
-        lab.terminate()
-        lab.wait(10)
-    timing = result.timing
-    assert timing is not None
-    print(f"{result.reason} {len(timing.times)} ticks of {1e3 * timing.interval:g} ms")
-    for name, value in timing.summary().items():
-        print(
-            f"{name:<18}{1e3 * value:>10.3f} ms"
-            if isinstance(value, float)
-            else f"{name:<18}{value:>10}"
-        )
-    print_missed(timing.times[timing.latency > timing.interval, 0] + offset, none[0])
+    options = parser.parse_args()
+    priority = "plain" if options.plain else "urgent"
+    if options.counting:
+        time_counting(options.duration, priority)
+    else:
+        if options.plain:
+            clocks.urgent = lambda: nullcontext("The loop has normal priority.")
+        time_operator(options.duration, priority, options.learning)
     print_load()
-    Path("out").mkdir(exist_ok=True)
-    note = "tank in another process, everything recorded"
-    save_figure(
-        timing_sheet(timing.lateness, timing.latency, timing.interval, note=note),
-        "out/operate_timing.png",
-    )
 
 
 if __name__ == "__main__":

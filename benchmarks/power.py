@@ -26,10 +26,10 @@ from laticauda.paper.settings import load_paper_coefficients
 from laticauda.scenarios import limit_case
 
 
-def simulated(rows: Sequence, joints: str) -> np.ndarray:
+def simulate_power(rows: Sequence, joints: str) -> np.ndarray:
     """Power of all motors at a stall current of 1 A [W]."""
     water = load_paper_coefficients().water
-    found = []
+    power = []
     for row in rows:
         robot = lc.load_robot("mamba-fin" if row.has_fin else "mamba")
         joint = robot.joints[0]
@@ -37,11 +37,11 @@ def simulated(rows: Sequence, joints: str) -> np.ndarray:
         robot = replace(robot, joints=(joint,) * robot.n_joints, active_power=0.0)
         with limit_case():  # the current is a unit, not that of a motor
             trial = lc.swim(robot, row.gait, environment=water(row.gait.kind), joints=joints)
-        found.append(trial.electrical_power)
-    return np.array(found)
+        power.append(trial.electrical_power)
+    return np.array(power)
 
 
-def fitted(columns: np.ndarray, power: np.ndarray) -> np.ndarray:
+def fit_numbers(columns: np.ndarray, power: np.ndarray) -> np.ndarray:
     return np.linalg.lstsq(columns / power[:, np.newaxis], np.ones(power.size), rcond=None)[0]
 
 
@@ -49,34 +49,42 @@ def mape(predicted: np.ndarray, measured: np.ndarray) -> float:
     return 100.0 * float(np.mean(np.abs(predicted / measured - 1.0)))
 
 
-def left_out(columns: np.ndarray, power: np.ndarray) -> float:
-    """Error of rows that were not fitted, one at a time."""
-    others = [np.arange(power.size) != k for k in range(power.size)]
-    return mape(
-        np.array([columns[k] @ fitted(columns[m], power[m]) for k, m in enumerate(others)]), power
-    )
+def error_of_rows_left_out(columns: np.ndarray, power: np.ndarray) -> float:
+    """Error of rows that were not fitted, one at a time [%]."""
+    predicted = np.zeros(power.size)
+    for k in range(power.size):
+        is_fitted = np.arange(power.size) != k
+        predicted[k] = columns[k] @ fit_numbers(columns[is_fitted], power[is_fitted])
+    return mape(predicted, power)
+
+
+def columns_of(rows: Sequence, joints: str) -> np.ndarray:
+    """What each of the numbers that are fitted is multiplied with, by row."""
+    constant = np.ones((len(rows), 1))
+    if joints == "constant":
+        return constant
+    return np.column_stack((constant, simulate_power(rows, joints)))
 
 
 def main() -> None:
-    first = [row for row in read_efficiency_trials() if row.mean_power is not None]
-    second = read_path_following_trials()
-    of_first, of_second = (np.array([row.mean_power for row in rows]) for rows in (first, second))
-    idle = np.array([0.0 if row.has_fin else lc.load_robot("mamba").idle_power for row in second])
+    table1 = [row for row in read_efficiency_trials() if row.mean_power is not None]
+    table2 = read_path_following_trials()
+    power1 = np.array([row.mean_power for row in table1])
+    power2 = np.array([row.mean_power for row in table2])
+    idle_power = lc.load_robot("mamba").idle_power
+    taken_off = np.array([0.0 if row.has_fin else idle_power for row in table2])
     print(
         "joints, [W], [A]; error of Table 1, of rows left out, of Table 2, of Table 2 with the idle hypothesis [%]"
     )
     for joints in ("constant", "prescribed", "servo"):
-        columns = [np.ones((len(rows), 1)) for rows in (first, second)]
-        if joints != "constant":
-            motors = [simulated(rows, joints) for rows in (first, second)]
-            columns = [np.column_stack(pair) for pair in zip(columns, motors, strict=True)]
-        best = fitted(columns[0], of_first)
-        after = columns[1] @ best
+        columns1 = columns_of(table1, joints)
+        best = fit_numbers(columns1, power1)
+        predicted2 = columns_of(table2, joints) @ best
         errors = (
-            mape(columns[0] @ best, of_first),
-            left_out(columns[0], of_first),
-            mape(after, of_second),
-            mape(after - idle, of_second),
+            mape(columns1 @ best, power1),
+            error_of_rows_left_out(columns1, power1),
+            mape(predicted2, power2),
+            mape(predicted2 - taken_off, power2),
         )
         print(f"{joints:10}", np.round(best, 3), *(f"{error:.1f}" for error in errors))
 

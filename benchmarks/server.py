@@ -50,11 +50,11 @@ def from_octave(port: int, joints: str) -> float | None:
     if shutil.which("octave-cli") is None:
         return None
     code = OCTAVE.format(folder=clients_folder() / "matlab", port=port, joints=joints, count=COUNT)
-    done = subprocess.run(
+    process = subprocess.run(
         ["octave-cli", "--quiet", "--eval", code], capture_output=True, text=True, timeout=300
     )
     try:
-        return float(done.stdout)
+        return float(process.stdout)
     except ValueError:
         return None
 
@@ -65,9 +65,11 @@ def main() -> None:
     print(f"{'joints':<12}{'from Python [1/s]':>20}{'from Octave [1/s]':>20}")
     with Server(port=0) as server:
         for joints in ("prescribed", "servo"):
-            octave = from_octave(server.port, joints)
-            shown = "not installed" if octave is None else f"{octave:.0f}"
-            print(f"{joints:<12}{from_python(server.port, joints):>20.0f}{shown:>20}")
+            octave = "not installed"
+            rate_of_octave = from_octave(server.port, joints)
+            if rate_of_octave is not None:
+                octave = f"{rate_of_octave:.0f}"
+            print(f"{joints:<12}{from_python(server.port, joints):>20.0f}{octave:>20}")
 
 
 if __name__ == "__main__":

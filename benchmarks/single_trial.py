@@ -16,6 +16,7 @@ Last answer (2 shared cores, AMD EPYC, 2026-11-21), of the whole public call; th
 import sys
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -59,34 +60,39 @@ def matrices_time(robot: lc.Robot, water: lc.Water) -> float:
     )
     inertia = np.array([module.moment_of_inertia for module in robot.modules])
     chain = equations.Chain(inertia=inertia, **{name: getattr(c, name) for name in names})
-    n, rng = robot.n_links, np.random.default_rng(0)
-    theta, rate, zero = rng.normal(size=n), rng.normal(size=n), np.zeros(n - 1)
-    still = np.zeros((n, 2)), np.zeros(n)
+    n = robot.n_links
+    rng = np.random.default_rng(0)
+    theta, rate = rng.normal(size=n), rng.normal(size=n)
+    velocity, torque = np.zeros(2), np.zeros(n - 1)
+    link_force, link_torque = np.zeros((n, 2)), np.zeros(n)
     options = equations.Options()
-    return least(
-        lambda: equations.accelerations(theta, rate, np.zeros(2), chain, options, zero, *still), 200
-    )
+
+    def evaluate() -> object:
+        return equations.accelerations(
+            theta, rate, velocity, chain, options, torque, link_force, link_torque
+        )
+
+    return least(evaluate, 200)
 
 
 def main() -> None:
     """Print the table."""
     robot, water = lc.load_robot("mamba"), lc.load_water("paper-lateral")
-    one = matrices_time(robot, water)
+    time_of_matrices = matrices_time(robot, water)
     print(
         f"{'joints':<12}{'dt [s]':>8}{'time [ms]':>12}{'matrices / kernel':>20}{'error / distance':>19}"
     )
     for joints, stages in STAGES.items():
         trial = lc.swim(robot, GAIT, environment=water, joints=joints)
         dt = float(trial.settings["dt"])
-        exact = lc.swim(robot, GAIT, environment=water, joints=joints, dt=dt / 32).center_of_mass[
-            -1
-        ]
-        error = np.linalg.norm(trial.center_of_mass[-1] - exact) / np.linalg.norm(exact)
-        taken = least(
-            lambda joints=joints: lc.swim(robot, GAIT, environment=water, joints=joints), 30
-        )
-        ratio = stages * 30.0 / dt * one / taken
-        print(f"{joints:<12}{dt:>8.3f}{1e3 * taken:>12.1f}{f'x{ratio:5.0f}':>20}{error:>19.1e}")
+        fine = lc.swim(robot, GAIT, environment=water, joints=joints, dt=dt / 32)
+        end, exact_end = trial.center_of_mass[-1], fine.center_of_mass[-1]
+        error = np.linalg.norm(end - exact_end) / np.linalg.norm(exact_end)
+        swim = partial(lc.swim, robot, GAIT, environment=water, joints=joints)
+        seconds = least(swim, 30)
+        n_evaluations = stages * 30.0 / dt
+        ratio = n_evaluations * time_of_matrices / seconds
+        print(f"{joints:<12}{dt:>8.3f}{1e3 * seconds:>12.1f}{f'x{ratio:5.0f}':>20}{error:>19.1e}")
 
 
 if __name__ == "__main__":

@@ -52,11 +52,9 @@ def chain(option: str, *, ellipsoid: bool) -> mujoco.MjSpec:
     text = f'<mujoco><option gravity="0 0 0" {option}/><worldbody>'
     shape = 'fluidshape="ellipsoid"' if ellipsoid else ""
     for i in range(N):
-        joint = (
-            f'<joint name="j{i}" axis="0 {1 - i % 2} {i % 2}" damping="0.3"/>'
-            if i
-            else "<freejoint/>"
-        )
+        joint = f'<joint name="j{i}" axis="0 {1 - i % 2} {i % 2}" damping="0.3"/>'
+        if i == 0:
+            joint = "<freejoint/>"
         text += f'<body name="b{i}" pos="{0.09 * (i > 0)} 0 0">{joint}<geom name="g{i}" type="ellipsoid" '
         text += f'size=".045 .04 .045" pos=".045 0 0" density="1000" contype="0" conaffinity="0" {shape}/>'
     text += "</body>" * N + "</worldbody><actuator>"
@@ -68,12 +66,16 @@ def controls(step: float, motion: str) -> np.ndarray:
     """A traveling wave along the yaw joints and another along the pitch joints, growing over the first second."""
     t = np.arange(round(DURATION / step))[:, np.newaxis] * step
     joint = np.arange(1, N)
-    amplitude = np.deg2rad(np.where(joint % 2, 30.0, 20.0 if motion == "in space" else 0.0))
-    phase = np.deg2rad(20.0) * joint + np.where(joint % 2, 0.0, np.pi / 2.0)
+    is_yaw = joint % 2 == 1
+    pitch_amplitude = 20.0 if motion == "in space" else 0.0
+    amplitude = np.deg2rad(np.where(is_yaw, 30.0, pitch_amplitude))
+    phase = np.deg2rad(20.0) * joint + np.where(is_yaw, 0.0, np.pi / 2.0)
     return amplitude * np.minimum(t, 1.0) * np.sin(np.deg2rad(130.0) * t + phase)
 
 
-def swum(model: mujoco.MjModel, step: float, repeats: int, motion: str) -> tuple[np.ndarray, float]:
+def roll_out(
+    model: mujoco.MjModel, step: float, repeats: int, motion: str
+) -> tuple[np.ndarray, float]:
     """Path of the tail module, and steps per second."""
     model.opt.timestep = step
     data = mujoco.MjData(model)
@@ -103,32 +105,50 @@ def wet(integrator: str, *, implicit_drag: bool = False) -> mujoco.MjModel:
 def marches() -> dict[str, float]:
     """Steps per second of processor time of a plant's two kinds of joints."""
     rates: dict[str, float] = {}
-    robot, water_ = lc.load_robot("mamba").with_links(N), lc.load_water("paper-lateral")
+    robot = lc.load_robot("mamba").with_links(N)
+    environment = lc.load_water("paper-lateral")
+    controller = OpenLoop(command=Command(gait=GAIT))
     for joints in ("prescribed", "pd"):
-        body = build_plant(
-            robot, water_, model="spatial", joints=joints, dt=STEP, root="free", gravity=False
+        plant = build_plant(
+            robot, environment, model="spatial", joints=joints, dt=STEP, root="free", gravity=False
         )
-        run(body, OpenLoop(command=Command(gait=GAIT)), 0.1)
+        run(plant, controller, 0.1)
         begin = time.process_time()
-        run(body, OpenLoop(command=Command(gait=GAIT)), 10.0)
+        run(plant, controller, 10.0)
         rates[joints] = 10.0 / STEP / (time.process_time() - begin)
     return rates
 
 
+def marches_elsewhere(sources: str) -> dict[str, float]:
+    """The same with some sources of the package, in a process of its own."""
+    process = subprocess.run(
+        [sys.executable, __file__, "--marches"],
+        env={**os.environ, "PYTHONPATH": sources},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    rates: dict[str, float] = {}
+    for line in process.stdout.splitlines():
+        joints, rate = line.split()
+        rates[joints] = float(rate)
+    return rates
+
+
+def larger_of_both(rates: dict[str, float], others: dict[str, float]) -> dict[str, float]:
+    return {joints: max(rate, rates.get(joints, 0.0)) for joints, rate in others.items()}
+
+
 def against(older: str) -> None:
-    """The same with the sources of another version, in turns; each in processes of its own."""
-    best: dict[str, dict[str, float]] = {}
+    """Print the best rates of another version's sources and of these, in turns."""
+    rates_before: dict[str, float] = {}
+    rates_now: dict[str, float] = {}
     for _ in range(ROUNDS):
-        for sources in (older, os.environ.get("PYTHONPATH", "")):
-            told = {**os.environ, "PYTHONPATH": sources}
-            done = subprocess.run(
-                [sys.executable, __file__, "--marches"], env=told, capture_output=True, check=True
-            )
-            for joints, rate in (line.split() for line in done.stdout.decode().splitlines()):
-                mine = best.setdefault(joints, {})
-                mine[sources] = max(mine.get(sources, 0.0), float(rate))
-    for joints, rates in best.items():
-        before, now = rates.values()
+        rates_before = larger_of_both(rates_before, marches_elsewhere(older))
+        own_sources = os.environ.get("PYTHONPATH", "")
+        rates_now = larger_of_both(rates_now, marches_elsewhere(own_sources))
+    for joints, before in rates_before.items():
+        now = rates_now[joints]
         print(
             f"SpatialPlant, {joints:<12}{before:>10,.0f} before{now:>10,.0f} now{now / before:>8.2f} x"
         )
@@ -140,37 +160,33 @@ def threads() -> None:
         lc.lateral_undulation(amplitude=a, frequency=2.27, phase_shift=0.7)
         for a in np.linspace(0.2, 0.6, 24)
     ]
-    best = dict.fromkeys((1, 2), np.inf)
+    robot = lc.load_robot("mamba")
+    least_time = dict.fromkeys((1, 2), np.inf)
     for _ in range(ROUNDS):
-        for n in best:
+        for n in least_time:
             begin = time.perf_counter()
-            lc.swim_many(lc.load_robot("mamba"), gaits, 20.0, model="spatial", threads=n)
-            best[n] = min(best[n], time.perf_counter() - begin)
-    print(
-        f"swim_many, 24 spatial trials: two threads are {best[1] / best[2]:.2f} times as fast as one"
-    )
+            lc.swim_many(robot, gaits, 20.0, model="spatial", threads=n)
+            least_time[n] = min(least_time[n], time.perf_counter() - begin)
+    gain = least_time[1] / least_time[2]
+    print(f"swim_many, 24 spatial trials: two threads are {gain:.2f} times as fast as one")
 
 
 def beside() -> None:
     """How a planar trial fares beside a march in space: its longest wait, as a share of that march."""
     robot = lc.load_robot("mamba")
-    body, command = (
-        build_plant(robot, lc.load_water("paper-lateral"), model="spatial"),
-        Command(gait=GAIT),
-    )
-    start = body.init(lc.Start(), command)
+    plant = build_plant(robot, lc.load_water("paper-lateral"), model="spatial")
+    command = Command(gait=GAIT)
+    start = plant.init(lc.Start(), command)
     lc.swim(robot, GAIT, 0.1)
     shares: list[float] = []
     for _ in range(ROUNDS):
-        march = threading.Thread(target=body.march, args=(start, command, 300.0, 300.0))
-        begin = last = time.perf_counter()
+        march = threading.Thread(target=plant.march, args=(start, command, 300.0, 300.0))
+        moments = [time.perf_counter()]
         march.start()
-        longest = 0.0
         while march.is_alive():
             lc.swim(robot, GAIT, 0.1)
-            now = time.perf_counter()
-            longest, last = max(longest, now - last), now
-        shares.append(longest / (last - begin))
+            moments.append(time.perf_counter())
+        shares.append(max(np.diff(moments)) / (moments[-1] - moments[0]))
     print(
         f"planar trials beside a march in space wait at most {min(shares):.3f} of its time (1: it freezes them)"
     )
@@ -187,16 +203,26 @@ def main() -> None:
     parser.add_argument(
         "--against", metavar="SRC", help="sources of another version to compare with, in one run"
     )
-    told = parser.parse_args()
-    if told.marches:
-        print("\n".join(f"{joints} {rate}" for joints, rate in marches().items()))
+    options = parser.parse_args()
+    if options.marches:
+        for joints, rate in marches().items():
+            print(joints, rate)
         return
     print_load()
     threads()
     beside()
-    if told.against:
-        against(told.against)
+    if options.against:
+        against(options.against)
         return
+    compare_models()
+    for joints, rate in marches().items():
+        evaluations = 4 if joints == "prescribed" else 2
+        name = f"SpatialPlant, {joints}, {evaluations} evaluations a step"
+        print(f"{name:<44}{rate:>10,.0f}")
+
+
+def compare_models() -> None:
+    """Print the rate of every model, beside that of MuJoCo's ellipsoids, and its error."""
     print(f"{'model':<44}{'steps/s':>10}{'ratio':>8}{'error at 2 ms':>15}")
     models = {
         "bare (no water)": chain("", ellipsoid=False).compile(),
@@ -209,23 +235,24 @@ def main() -> None:
         "water, implicit drag, Euler": wet("Euler", implicit_drag=True),
     }
     for motion in ("in space", "in the plane"):
-        own = 0.0
+        reference_rate = 0.0
         print(motion)
         for name, model in models.items():
-            path, rate = swum(model, STEP, 3, motion)
+            path, rate = roll_out(model, STEP, 3, motion)
             if "ellipsoids, implicitfast" in name:
-                own = rate
-            fine, _ = swum(model, FINE, 1, motion)
-            traveled = float(np.sum(np.linalg.norm(np.diff(fine, axis=0), axis=1)))
-            apart = float(np.linalg.norm(path[-1] - fine[-1]))
-            error = f"{apart / traveled:.1e}" if "bare" not in name else "-"
-            print(
-                f"{name:<44}{rate:>10,.0f}{f'{rate / own:.1f}' if own else '-':>8}{error:>15}",
-                flush=True,
-            )
-    for joints, rate in marches().items():
-        name = f"SpatialPlant, {joints}, {4 if joints == 'prescribed' else 2} evaluations a step"
-        print(f"{name:<44}{rate:>10,.0f}")
+                reference_rate = rate
+            fine_path, _ = roll_out(model, FINE, 1, motion)
+            ratio = f"{rate / reference_rate:.1f}" if reference_rate else "-"
+            error = f"{relative_error(path, fine_path):.1e}"
+            if "bare" in name:
+                error = "-"
+            print(f"{name:<44}{rate:>10,.0f}{ratio:>8}{error:>15}", flush=True)
+
+
+def relative_error(path: np.ndarray, fine_path: np.ndarray) -> float:
+    """Distance of the ends, over the distance traveled [-]."""
+    traveled = float(np.sum(np.linalg.norm(np.diff(fine_path, axis=0), axis=1)))
+    return float(np.linalg.norm(path[-1] - fine_path[-1])) / traveled
 
 
 if __name__ == "__main__":

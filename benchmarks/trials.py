@@ -6,6 +6,7 @@ largest batch.
 """
 
 import time
+from functools import partial
 
 from _timing import fastest, of_links, print_load, random_gaits
 
@@ -17,16 +18,15 @@ TRIALS = (1, 8, 64, 512, 4096, 16384)
 def main() -> None:
     """Print the table."""
     robot, gaits = of_links(10), random_gaits(TRIALS[-1])
-    each = {
-        n: fastest(
-            time.perf_counter, lambda n=n: lc.swim_many(robot, gaits[:n]), 20 if n < 1000 else 3
-        )
-        / n
-        for n in TRIALS
-    }
+    seconds_per_trial: dict[int, float] = {}
+    for n in TRIALS:
+        repeats = 20 if n < 1000 else 3
+        swim_batch = partial(lc.swim_many, robot, gaits[:n])
+        seconds_per_trial[n] = fastest(time.perf_counter, swim_batch, repeats) / n
     print(f"{'trials':>8}{'per trial [ms]':>16}{'ratio':>7}")
-    for n, seconds in each.items():
-        print(f"{n:>8}{1e3 * seconds:>16.3f}{seconds / each[TRIALS[-1]]:>7.2f}")
+    seconds_at_last = seconds_per_trial[TRIALS[-1]]
+    for n, seconds in seconds_per_trial.items():
+        print(f"{n:>8}{1e3 * seconds:>16.3f}{seconds / seconds_at_last:>7.2f}")
     print_load()
 
 

@@ -42,27 +42,28 @@ class WashedDrag(DragLaw):
         return f_t, f_n, -element.lambda_3 * magnitude(rate) * rate
 
 
-robot, water = lc.load_robot("mamba"), lc.load_water("paper-lateral")
+robot = lc.load_robot("mamba")
+water = lc.load_water("paper-lateral")
 gait = lc.lateral_undulation(
     amplitude=radians(30), frequency=radians(90), phase_shift=radians(40)
 )
-usual = lc.swim(robot, gait)
+with_default_law = lc.swim(robot, gait)
 print(
-    f"{water.drag.words}: {usual.forward_velocity:.4f} m/s, "
-    f"{usual.mean_power:.1f} W"
+    f"{water.drag.words}: {with_default_law.forward_velocity:.4f} m/s, "
+    f"{with_default_law.mean_power:.1f} W"
 )
 figure, (ax,) = new_panels(width=5.0)
 for wash in (0.0, 0.2, 0.4):
-    own = lc.swim(
-        robot, gait, environment=replace(water, drag=WashedDrag(wash=wash))
-    )
+    washed_water = replace(water, drag=WashedDrag(wash=wash))
+    trial = lc.swim(robot, gait, environment=washed_water)
     print(
         f"{wash:.0%} of the sideways speed counts along: "
-        f"{own.forward_velocity:.4f} m/s, {own.mean_power:.1f} W"
+        f"{trial.forward_velocity:.4f} m/s, {trial.mean_power:.1f} W"
     )
-    way = own.center_of_mass[:, 0]
-    ax.plot(own.time, way, label=f"{wash:.0%} of the sideways speed")
-ax.plot(usual.time, usual.center_of_mass[:, 0], label="the usual law")
+    distance = trial.center_of_mass[:, 0]
+    ax.plot(trial.time, distance, label=f"{wash:.0%} of the sideways speed")
+distance = with_default_law.center_of_mass[:, 0]
+ax.plot(with_default_law.time, distance, label="the usual law")
 style.style_axes(ax, xlabel="time [s]", ylabel="distance [m]")
 style.add_legend(ax, loc="upper left")
 save_figure(figure, "laws.png")

@@ -28,16 +28,14 @@ swimmer = lc.build_scenario(
 plant = lc.build_plant(swimmer)
 trial = lc.run(plant, controller, 50.0, start=lc.Start(center_of_mass=(0.0, 0.8)))
 
-error, along = (
-    trial.signals["cross_track_error"],
-    trial.signals["along_track_distance"],
-)
-reached = following.convergence(trial.time, error, along, trial.period)
-print(f"swam {along[-1]:.1f} m of the path's {controller.path.length:.1f} m")
-print(f"within 0.1 m of it after {reached.distance:.2f} m, {reached.time:.0f} s")
-print(
-    "mean distance then: "
-    f"{following.steady_error(trial.time, error, trial.period, reached.time):.3f} m"
-)
-print(f"largest offset: {degrees(abs(trial.signals['offset']).max()):.1f} deg")
+error = trial.signals["cross_track_error"]
+distance = trial.signals["along_track_distance"]
+period = trial.period
+arrival = following.convergence(trial.time, error, distance, period)
+error_then = following.steady_error(trial.time, error, period, arrival.time)
+largest_offset = abs(trial.signals["offset"]).max()
+print(f"swam {distance[-1]:.1f} m of the path's {controller.path.length:.1f} m")
+print(f"within 0.1 m of it after {arrival.distance:.2f} m, {arrival.time:.0f} s")
+print(f"mean distance then: {error_then:.3f} m")
+print(f"largest offset: {degrees(largest_offset):.1f} deg")
 trial.plot().savefig("follow.png")

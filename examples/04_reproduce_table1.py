@@ -14,26 +14,24 @@ from laticauda.paper import find_fin_gains, load_efficiency_settings, run_effici
 from laticauda.paper.scores import score_study
 from laticauda.show.figures import new_panels, save_figure, style
 
-settings = replace(
-    load_efficiency_settings(), sweeps=load_efficiency_settings().sweeps[:1]
-)
-study = run_efficiency(settings)
+settings = load_efficiency_settings()
+table1 = replace(settings, sweeps=settings.sweeps[:1])
+study = run_efficiency(table1)
 
 for case in study.cases:
     row = case.measured
     if row.case == 1:
-        print(
-            f"\n{case.group.name}\n case  amplitude  frequency  phase shift  measured  simulated"
-        )
-    setting = [
-        degrees(angle)
-        for angle in (row.gait.amplitude, row.gait.frequency, row.gait.phase_shift)
-    ]
-    measured = (
-        "NA" if row.forward_velocity is None else f"{row.forward_velocity:.4f}"
+        print(f"\n{case.group.name}")
+        print(" case  amplitude  frequency  phase shift  measured  simulated")
+    gait = row.gait
+    measured = "NA"
+    if row.forward_velocity is not None:
+        measured = f"{row.forward_velocity:.4f}"
+    print(
+        f"{row.case:5d} {degrees(gait.amplitude):10.0f} "
+        f"{degrees(gait.frequency):10.0f} {degrees(gait.phase_shift):12.0f}"
+        f"{measured:>10} {case.forward_velocity[0]:10.4f} m/s"
     )
-    print("{:5d} {:10.0f} {:10.0f} {:12.0f}".format(row.case, *setting), end="")
-    print(f"{measured:>10} {case.forward_velocity[0]:10.4f} m/s")
 
 print("\nMean error:")
 for score in score_study(study):
@@ -49,23 +47,26 @@ for gain in find_fin_gains(study.cases):
             f"{change.velocity:5.1f} %, {simulated:5.1f} %"
         )
 
+MODELS = {
+    "the paper's coefficients": "analytical-set",
+    "mamba-identified": "mamba-identified",
+}
+COLORS = {"eel_like": style.ORANGE, "lateral_undulation": style.BLUE}
+MARKERS = {True: "^", False: "o"}  # with and without the fin
 figure, panels = new_panels(2, height=4.0)
-titles = ("the paper's coefficients", "mamba-identified")
-for ax, title in zip(panels, titles, strict=True):
-    name = "analytical-set" if ax is panels[0] else title
+for ax, (title, name) in zip(panels, MODELS.items(), strict=True):
     model = study.models.index(name)
-    for group in settings.groups:
-        rows = [case for case in study.measured if case.group == group]
-        measured = [case.measured.forward_velocity for case in rows]
-        simulated = [case.forward_velocity[model] for case in rows]
-        color = style.ORANGE if group.gait == "eel_like" else style.BLUE
-        marker = "^" if group.has_fin else "o"
-        (line,) = ax.plot(
-            measured, simulated, marker, color=color, label=group.name
-        )
-        for case, x, y in zip(rows, measured, simulated, strict=True):
-            shift = (4, -3) if case.measured.case % 2 else (-9, -3)
-            style.add_note(ax, str(case.measured.case), (x, y), shift)
+    for group in table1.groups:
+        cases = [case for case in study.measured if case.group == group]
+        measured = [case.measured.forward_velocity for case in cases]
+        simulated = [case.forward_velocity[model] for case in cases]
+        color, marker = COLORS[group.gait], MARKERS[group.has_fin]
+        ax.plot(measured, simulated, marker, color=color, label=group.name)
+        for case, x, y in zip(cases, measured, simulated, strict=True):
+            number = case.measured.case
+            right, left = (4, -3), (-9, -3)  # of the marker
+            beside = right if number % 2 else left
+            style.add_note(ax, str(number), (x, y), beside)
     ax.axline((0.1, 0.1), slope=1, color=style.GRAY, linewidth=style.THIN)
     ticks = [0.1, 0.15, 0.2, 0.25]
     ax.set(xlim=(0.08, 0.28), ylim=(0.08, 0.28), xticks=ticks, yticks=ticks)

@@ -19,32 +19,32 @@ study = run_path_following(
 )
 
 (case,) = study.cases
+measured = case.measured.forward_velocity
+paper_runs = (*case.band, case.cycle_mean)
 print(
     f"{case.group.name}, case {case.measured.case}, p_y = "
     f"{case.measured.initial_cross_track_error} m"
 )
-print(f"measured {case.measured.forward_velocity:.4f} m/s")
-for run in (*case.band, case.cycle_mean):
+print(f"measured {measured:.4f} m/s")
+for run in paper_runs:
     print(
         f"{run.name}: {run.forward_velocity:.4f} m/s, at most "
         f"{run.last_third_largest:.3f} m off in the last third"
     )
 
 figure, (ax,) = new_panels(height=2.2)
-runs = {
-    f"paper, {run.offset_bandwidth:g} rad/s, {run.heading_estimate.replace('_', ' ')}": run
-    for run in (*case.band, case.cycle_mean)
-}
-runs |= {
-    study.settings.coefficients.name: study.cases[0].run for study in study.own
-}
-bars = ax.barh(
-    [*runs], [run.forward_velocity for run in runs.values()], color=style.BLUE
-)
+speeds = {}
+for run in paper_runs:
+    heading = run.heading_estimate.replace("_", " ")
+    label = f"paper, {run.offset_bandwidth:g} rad/s, {heading}"
+    speeds[label] = run.forward_velocity
+for own_study in study.own:
+    label = own_study.settings.coefficients.name
+    speeds[label] = own_study.cases[0].run.forward_velocity
+bars = ax.barh([*speeds], [*speeds.values()], color=style.BLUE)
 ax.bar_label(
     bars, fmt="%.4f", label_type="center", color="white", fontsize=style.TICK
 )
-measured = case.measured.forward_velocity
 ax.axvline(measured, **style.AIM)
 style.add_note(
     ax, f"measured: {measured:.4f}", (measured, -0.5), (6, 0), color=style.ORANGE

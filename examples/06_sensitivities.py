@@ -28,30 +28,29 @@ names = [
     "robot.caudal_fin.length",
     "robot.caudal_fin.height",
 ]
-found = compute_sensitivities([scenario], names=names)
-speed, power = (
-    found.figures.index(figure) for figure in ("forward_velocity", "mean_power")
-)
+sensitivities = compute_sensitivities([scenario], names=names)
+speed_index = sensitivities.figures.index("forward_velocity")
+power_index = sensitivities.figures.index("mean_power")
+speed = sensitivities.values[0, speed_index]
+power = sensitivities.values[0, power_index]
+# Change in percent for a change of one percent of each parameter.
+speed_change = sensitivities.elasticity[0, speed_index]
+power_change = sensitivities.elasticity[0, power_index]
 
-print(
-    f"{found.values[0, speed]:.4f} m/s, {found.values[0, power]:.2f} W. One "
-    "percent more of"
-)
-for k, parameter in enumerate(found.parameters):
-    share = found.elasticity[0, :, k]
+print(f"{speed:.4f} m/s, {power:.2f} W. One percent more of")
+for k, parameter in enumerate(sensitivities.parameters):
     print(
-        f"  {parameter.name:<28} changes the speed by {share[speed]:+.2f} %, the "
-        f"power by {share[power]:+.2f} %"
+        f"  {parameter.name:<28} changes the speed by {speed_change[k]:+.2f} %, "
+        f"the power by {power_change[k]:+.2f} %"
     )
 
 figure, (ax,) = new_panels(height=3.6)
 rows = np.arange(len(names))
-for shift, figure_index, color, label in (
-    (-0.2, speed, style.BLUE, "speed"),
-    (0.2, power, style.AMBER, "power"),
+for shift, changes, color, label in (
+    (-0.2, speed_change, style.BLUE, "speed"),
+    (0.2, power_change, style.AMBER, "power"),
 ):
-    shares = found.elasticity[0, figure_index]
-    bars = ax.barh(rows + shift, shares, 0.4, color=color, label=label)
+    bars = ax.barh(rows + shift, changes, 0.4, color=color, label=label)
     ax.bar_label(bars, fmt="%+.2f", padding=3, fontsize=style.TICK - 1)
 labels = [name.split(".", 1)[1].replace("_", " ") for name in names]
 ax.set_yticks(rows, [label.replace(".", " ") for label in labels])

@@ -26,31 +26,26 @@ for name, label, side in (
     ("mamba-fin", "with the fin", "right"),
     ("mamba", "without the fin", "left"),
 ):
-    front = optimize(
-        Optimization(
-            scenario=lc.build_scenario(name, gait, parameters="mamba-identified"),
-            bounds=bounds,
-        ),
-        budget=400,
-        population=40,
-        seed=1,
-    )
+    scenario = lc.build_scenario(name, gait, parameters="mamba-identified")
+    optimization = Optimization(scenario=scenario, bounds=bounds)
+    front = optimize(optimization, budget=400, population=40, seed=1)
     speed = front.figures["forward_velocity"]
     power = front.figures["mechanical_power"]
     print(name)
     for i in front.spread(5):
-        alpha, omega, delta = (degrees(angle) for angle in front.values[i])
+        amplitude, frequency, phase_shift = front.values[i]
         print(
-            f"  {speed[i]:.4f} m/s for {power[i]:5.2f} W: {alpha:.0f} deg, "
-            f"{omega:.0f} deg/s, {delta:.0f} deg"
+            f"  {speed[i]:.4f} m/s for {power[i]:5.2f} W: "
+            f"{degrees(amplitude):.0f} deg, {degrees(frequency):.0f} deg/s, "
+            f"{degrees(phase_shift):.0f} deg"
         )
     fastest = len(front) - 1
     limits = ", ".join(front.limits(fastest))
     print(f"  the fastest is limited by: {limits}")
     ax.plot(power, speed, marker=".", markersize=4, label=label)
-    words = f"{speed[fastest]:.4f} m/s, limited by:\n" + limits.replace(", ", "\n")
+    note = f"{speed[fastest]:.4f} m/s, limited by:\n" + limits.replace(", ", "\n")
     end = (power[fastest], speed[fastest])
-    style.add_note(ax, words, end, (4, -14), va="top", ha=side, color=style.INK)
+    style.add_note(ax, note, end, (4, -14), va="top", ha=side, color=style.INK)
 ax.set(xlim=(0.0, 14.0), ylim=(0.0, 0.3))
 style.style_axes(ax, xlabel="mechanical power [W]", ylabel="forward velocity [m/s]")
 style.add_legend(ax, loc="lower right")

@@ -25,10 +25,8 @@ yaw = lc.lateral_undulation(
 wave = lc.Wave(
     amplitude=radians(30), frequency=radians(120), phase_shift=radians(40)
 )
-vertical, helix = (
-    replace(yaw, amplitude=0.0, pitch=wave),
-    replace(yaw, pitch=replace(wave, phase=pi / 2)),
-)
+vertical = replace(yaw, amplitude=0.0, pitch=wave)
+helix = replace(yaw, pitch=replace(wave, phase=pi / 2))
 for name, gait in (("lateral", yaw), ("vertical", vertical), ("helix", helix)):
     trial = lc.swim(
         robot, gait, 20.0, environment=water, model="spatial", gravity=False
@@ -88,9 +86,8 @@ for name, gait, ground in (
     ("sidewinding", sidewinding, bare_skin),
 ):
     trial = lc.swim(robot, gait, 10.0, environment=ground, model="spatial")
-    forward, left, _ = (
-        np.diff(trial.center_of_mass[[0, -1]], axis=0)[0] / trial.duration
-    )
+    way = trial.center_of_mass[-1] - trial.center_of_mass[0]
+    forward, left, _ = way / trial.duration
     print(f"{name}: {forward:.2f} m/s forward, {left:.2f} m/s to the left")
 
 shore = lc.build_plant(
@@ -102,8 +99,10 @@ shore = lc.build_plant(
 start = lc.Start(center_of_mass=(1.6, 0.0))  # the shore ends at x = 2.5 m
 trial = lc.run(shore, lc.OpenLoop(command=lc.Command(gait=yaw)), 20.0, start=start)
 trial.save("shore.nc")  # laticauda view shore.nc --video shore.mp4
-wet = trial.time[np.argmax(trial.center_of_mass[:, 2] < -0.05)]
+is_under_water = trial.center_of_mass[:, 2] < -0.05
+diving_time = trial.time[np.argmax(is_under_water)]
+distance = trial.center_of_mass[-1, 0] - 1.6
 print(
-    f"from the shore: under water after {wet:.1f} s, "
-    f"{trial.center_of_mass[-1, 0] - 1.6:.1f} m in 20 s"
+    f"from the shore: under water after {diving_time:.1f} s, "
+    f"{distance:.1f} m in 20 s"
 )

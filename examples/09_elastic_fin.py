@@ -17,24 +17,19 @@ gait = lc.lateral_undulation(
     amplitude=radians(30), frequency=radians(130), phase_shift=radians(40)
 )
 scenario = lc.build_scenario("mamba-fin", gait, parameters="mamba-identified")
-robot, water = scenario.robot, scenario.environment
+robot = scenario.robot
 
 stiffnesses = [0.03, 0.1, 0.3, 1.0, 2.0, 3.0, 10.0, 100.0]
-robots = [
-    replace(
-        robot,
-        caudal_fin=replace(
-            robot.caudal_fin, n_hinges=3, flexural_rigidity=stiffness
-        ),
-    )
-    for stiffness in stiffnesses
-]
+robots = []
+for stiffness in stiffnesses:
+    fin = replace(robot.caudal_fin, n_hinges=3, flexural_rigidity=stiffness)
+    robots.append(replace(robot, caudal_fin=fin))
 bent = lc.swim_many([replace(scenario, robot=robot) for robot in robots])
 rigid = lc.swim(scenario)
 
 print("E I [N m^2]   swings at [Hz]   speed [m/s]   mean power [W]")
 for i, stiffness in enumerate(stiffnesses):
-    frequency = bending_frequencies(robots[i], water)[0]
+    frequency = bending_frequencies(robots[i], scenario.environment)[0]
     print(
         f"{stiffness:11g}   {frequency:14.2f}   {bent.forward_velocity[i]:11.4f}  "
         f" {bent.mean_power[i]:14.1f}"

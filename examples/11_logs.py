@@ -18,22 +18,18 @@ trial = lc.swim("mamba-fin", gait, duration=30.0, parameters="mamba-identified")
 # them loads back as an equal trial.
 for name in ("run.mcap", "run.mat", "run.parquet"):
     trial.save(name)
-    print(
-        f"{name}: {Path(name).stat().st_size / 1e6:.2f} MB, equal: "
-        f"{lc.load_trial(name).equals(trial)}"
-    )
+    megabytes = Path(name).stat().st_size / 1e6
+    is_equal = lc.load_trial(name).equals(trial)
+    print(f"{name}: {megabytes:.2f} MB, equal: {is_equal}")
 
 # In: a table of the robot's positions from any program, and a map that says what
 # its columns are.
-rows = zip(
-    1000.0 * trial.time,
-    *trial.center_of_mass.T,
-    [degrees(angle) for angle in trial.heading],
-    strict=True,
-)
-Path("log.csv").write_text(
-    "\n".join(["ms,x,y,heading", *(",".join(map(str, row)) for row in rows)])
-)
+lines = ["ms,x,y,heading"]
+for time, (x, y), angle in zip(
+    trial.time, trial.center_of_mass, trial.heading, strict=True
+):
+    lines.append(f"{1000.0 * time},{x},{y},{degrees(angle)}")
+Path("log.csv").write_text("\n".join(lines))
 Path("map.toml").write_text("""
 kind = "columns"
 robot = "mamba-fin"

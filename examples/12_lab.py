@@ -10,6 +10,8 @@ line between them; on the robot, `laticauda operate` is the same operator.
 
 from math import degrees, radians
 
+import numpy as np
+
 import laticauda as lc
 from laticauda.control import Following
 from laticauda.show.figures import new_panels, save_figure, style
@@ -41,8 +43,8 @@ operation = Operation(
 )
 
 
-def operated(*faults: Fault) -> None:
-    """Run it in a tank with these faults, and say what happened."""
+def operate(*faults: Fault) -> None:
+    """Run it in a tank with these faults, and print what happened."""
     robot = operation.body()
     plant = lc.build_plant(robot, operation.pool(), joints=operation.joint_law())
     tank = Tank(
@@ -51,39 +53,38 @@ def operated(*faults: Fault) -> None:
         faults,
     )
 
-    way = []
+    estimated_path = []
+    true_path = []
 
     def show(state, outputs) -> None:
         if state.estimate is not None:
-            way.append(
-                (*state.estimate.center_of_mass[:2], *tank.truth.center_of_mass[:2])
-            )
+            estimated_path.append(state.estimate.center_of_mass[:2])
+            true_path.append(tank.truth.center_of_mass[:2])
         for event in outputs.events:
             if event.kind != "phase":
                 print(f"{event.time:7.2f} s  {event.message}")
 
     state, _ = run_loop(Operator(operation=operation), TankDevices(tank), show=show)
-    where, truth = state.estimate, tank.truth
+    estimate = state.estimate
+    truth = tank.truth
     print(
-        f"p_y {where.center_of_mass[1]:.3f} m (true {truth.center_of_mass[1]:.3f})",
-        end=", ",
-    )
-    print(
-        f"heading {degrees(where.heading):.1f} deg (true "
-        f"{degrees(truth.heading):.1f})"
+        f"p_y {estimate.center_of_mass[1]:.3f} m "
+        f"(true {truth.center_of_mass[1]:.3f}), "
+        f"heading {degrees(estimate.heading):.1f} deg "
+        f"(true {degrees(truth.heading):.1f})"
     )
     print(
         f"at rest {state.idle.mean:.2f} A, swimming {state.drawn.mean:.2f} A; "
         f"{state.supervisor.state}\n"
     )
-    x, y, true_x, true_y = zip(*way, strict=True)
-    ax.plot(x, y, label="estimate, " + ("a leak" if faults else "no fault"))
-    ax.plot(true_x, true_y, "k:", linewidth=1)
+    case = "a leak" if faults else "no fault"
+    ax.plot(*np.transpose(estimated_path), label=f"estimate, {case}")
+    ax.plot(*np.transpose(true_path), "k:", linewidth=1)
 
 
 figure, (ax,) = new_panels(height=2.8)
-operated()
-operated(Fault(kind="leak", time=20.0, node=4))
+operate()
+operate(Fault(kind="leak", time=20.0, node=4))
 style.style_axes(ax, xlabel="x [m]", ylabel="y [m]")
 style.add_title(figure, "Path of the center of mass; dotted: the truth")
 style.add_legend(ax, loc="lower left")

@@ -20,38 +20,41 @@ from laticauda.trials import following
 gait = lc.lateral_undulation(
     amplitude=radians(30), frequency=radians(90), phase_shift=radians(40)
 )
-robot, water = lc.load_robot("mamba-fin"), lc.load_water("paper-lateral")
-# fitted to four trials that it runs itself
-model = averaged_model(
-    lc.build_plant(robot, water), gait, (radians(60), radians(120))
-)
+robot = lc.load_robot("mamba-fin")
+water = lc.load_water("paper-lateral")
+frequency_limits = (radians(60), radians(120))
+# Fitted to four trials that it runs itself.
+model = averaged_model(lc.build_plant(robot, water), gait, frequency_limits)
 
-limits = {"frequency_limits": (radians(60), radians(120)), "power_limit": 15.0}
-plans = ModelPredictive(
-    gait=gait, path=lc.StraightLine(), model=model, speed=0.12, **limits
+plan = ModelPredictive(
+    gait=gait,
+    path=lc.StraightLine(),
+    model=model,
+    speed=0.12,
+    frequency_limits=frequency_limits,
+    power_limit=15.0,
 )
-sight = lc.PathFollowing(
+line_of_sight = lc.PathFollowing(
     gait=gait,
     path=lc.StraightLine(),
     guidance=lc.LineOfSight(look_ahead_distance=0.18),
     heading=lc.HeadingController(gain=0.4, max_offset=radians(20)),
 )
-current = lc.build_plant(robot, replace(water, current=(0.0, 0.06)))
+plant = lc.build_plant(robot, replace(water, current=(0.0, 0.06)))
+start = lc.Start(center_of_mass=(0.0, 0.5))
 figure, (ax,) = new_panels(height=2.6)
-for name, controller in (("line of sight", sight), ("plan", plans)):
-    trial = lc.run(
-        current, controller, 90.0, start=lc.Start(center_of_mass=(0.0, 0.5))
+for name, controller in (("line of sight", line_of_sight), ("plan", plan)):
+    trial = lc.run(plant, controller, 90.0, start=start)
+    error = trial.signals["cross_track_error"]
+    distance = trial.signals["along_track_distance"][-1]
+    last_error = following.last_third_error(trial.time, error, trial.period)
+    print(
+        f"{name}: {100.0 * last_error:.1f} cm beside the line, "
+        f"{distance:.1f} m along it"
     )
-    error, along = (
-        trial.signals[key] for key in ("cross_track_error", "along_track_distance")
-    )
-    stays = 100.0 * following.last_third_error(trial.time, error, trial.period)
-    print(f"{name}: {stays:.1f} cm beside the line, {along[-1]:.1f} m along it")
     ax.plot(trial.time, 100.0 * error, label=name)
-frequency, drift = (
-    degrees(trial.signals["frequency"][-1]),
-    trial.signals["drift_y"][-1],
-)
+frequency = degrees(trial.signals["frequency"][-1])  # in the plan's trial
+drift = trial.signals["drift_y"][-1]
 print(
     f"the plan swims at {frequency:.0f} deg/s and reckons with a drift of "
     f"{drift:.3f} m/s"

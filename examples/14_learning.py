@@ -19,66 +19,70 @@ import laticauda as lc
 from laticauda.show.figures import new_panels, save_figure, style
 from laticauda_gym import Pilots
 
-GENERATIONS, CANDIDATES, EPISODES = 20, 16, 4
+GENERATIONS = 20
+CANDIDATES = 16
+EPISODES = 4  # of each candidate
 envs = gymnasium.make_vec(
     "laticauda/PathFollowing-v0", num_envs=CANDIDATES * EPISODES
 )
 task = envs.unwrapped.task
 
 
-def returns(act, seed):
-    """Of one episode in every lane."""
+def run_episodes(act, seed):
+    """Return what one episode in every lane earns."""
     observation, _ = envs.reset(seed=seed)
-    total = np.zeros(envs.num_envs)
+    returns = np.zeros(envs.num_envs)
     for _ in range(task.n_steps):
         observation, reward, *_ = envs.step(act(observation))
-        total += reward
-    return total
+        returns += reward
+    return returns
 
 
-def linear(weights):
-    """Offsets from weighted sums of what is seen, a row of weights a lane."""
-    return lambda seen: np.tanh(
-        (seen * weights[:, :-1]).sum(axis=1, keepdims=True) + weights[:, -1:]
-    )
+def linear_policy(parameters):
+    """Return a policy: a row of weights, with a bias at its end, for every lane."""
+    weights = parameters[:, :-1]
+    biases = parameters[:, -1:]
+
+    def act(observation):
+        sums = (observation * weights).sum(axis=1, keepdims=True)
+        return np.tanh(sums + biases)
+
+    return act
 
 
-def learned(seed):
-    """The weights that an evolution of so many generations ends with."""
+def learn(seed):
+    """Return the parameters with which the evolution ends."""
     search = cma.CMAEvolutionStrategy(
         [0.0] * 10, 0.2, {"popsize": CANDIDATES, "seed": seed + 1, "verbose": -9}
     )
     for generation in range(GENERATIONS):
-        asked = search.ask()
-        worth = returns(
-            linear(np.repeat(asked, EPISODES, axis=0)),
-            seed=1000 * (seed + 1) + generation,
-        )
-        search.tell(asked, -worth.reshape(CANDIDATES, EPISODES).mean(axis=1))
+        candidates = search.ask()
+        act = linear_policy(np.repeat(candidates, EPISODES, axis=0))
+        returns = run_episodes(act, seed=1000 * (seed + 1) + generation)
+        mean_returns = returns.reshape(CANDIDATES, EPISODES).mean(axis=1)
+        search.tell(candidates, -mean_returns)
     return search.result.xfavorite
 
 
-heading = lc.HeadingController(gain=0.4, max_offset=task.max_offset)
-sight = lc.LineOfSight(look_ahead_distance=0.18)
 law = lc.PathFollowing(
     gait=task.gait,
     path=lc.StraightLine(),
-    guidance=sight,
-    heading=heading,
+    guidance=lc.LineOfSight(look_ahead_distance=0.18),
+    heading=lc.HeadingController(gain=0.4, max_offset=task.max_offset),
     interval=task.interval,
 )
 pilots = Pilots(law, envs.unwrapped.episodes)
-found = {"line of sight": returns(lambda _: pilots.actions(), seed=0)}
-print(f"line of sight: return {found['line of sight'].mean():.1f}")
+returns = {"line of sight": run_episodes(lambda _: pilots.actions(), seed=0)}
+print(f"line of sight: return {returns['line of sight'].mean():.1f}")
 steps = GENERATIONS * envs.num_envs * task.n_steps
 for seed in range(3):
-    weights = np.tile(learned(seed), (envs.num_envs, 1))
-    found[f"learner {seed}"] = returns(linear(weights), seed=0)
-    worth = found[f"learner {seed}"].mean()
-    print(f"learner, seed {seed}, {steps} steps: return {worth:.1f}")
+    act = linear_policy(np.tile(learn(seed), (envs.num_envs, 1)))
+    returns[f"learner {seed}"] = run_episodes(act, seed=0)
+    mean = returns[f"learner {seed}"].mean()
+    print(f"learner, seed {seed}, {steps} steps: return {mean:.1f}")
 
 figure, (ax,) = new_panels(width=5.0)
 median = {"color": style.ORANGE, "linewidth": style.LINE}
-ax.boxplot(list(found.values()), tick_labels=list(found), medianprops=median)
+ax.boxplot(list(returns.values()), tick_labels=list(returns), medianprops=median)
 style.style_axes(ax, xlabel="", ylabel="return of an episode [-]")
 save_figure(figure, "returns.png")

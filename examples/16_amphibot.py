@@ -22,27 +22,34 @@ trial = lc.swim("amphibot", gait, 13.0, dt=0.005, sample_interval=0.02)
 # The 13 LEDs from head to tail: distance from the tail end along the straight
 # body.
 link = 0.0965
-along = [
-    0.6245,
-    *(at for k in range(6, 1, -1) for at in (k * link, k * link - 0.0545)),
-    link,
-    link - 0.053,
-]
-seen = Track.read(PRESETS / "tracks" / "amphibot-1.csv")
-time, gap = marker_distance(trial, seen, along, fitted=(0.4, 1.1))
+led_positions = [0.6245]
+for k in range(6, 1, -1):
+    led_positions += [k * link, k * link - 0.0545]
+led_positions += [link, link - 0.053]
+track = Track.read(PRESETS / "tracks" / "amphibot-1.csv")
+time, gap = marker_distance(trial, track, led_positions, fitted=(0.4, 1.1))
 
-middles = {"seen": (seen.time, seen.place.mean(axis=1))}
-middles["simulated"] = trial.time, marker_places(trial, along).mean(axis=1)
+
+def distance_from_start(time, leds):
+    """Return how far the middle of the LEDs is from its start, at the track's times."""
+    x, y = leds.mean(axis=1).T
+    x = np.interp(track.time, time, x)
+    y = np.interp(track.time, time, y)
+    return np.hypot(x - x[0], y - y[0])
+
+
+distances = {
+    "seen": distance_from_start(track.time, track.place),
+    "simulated": distance_from_start(
+        trial.time, marker_places(trial, led_positions)
+    ),
+}
 figure, (left, right) = new_panels(2, height=2.8)
-for name, (when, middle) in middles.items():
-    place = [np.interp(seen.time, when, one) for one in middle.T]
-    way = np.hypot(*(one - one[0] for one in place))
-    left.plot(seen.time, way, label=name)
-    now = (seen.time > 2.2) & (seen.time < 4.5)
-    print(
-        f"{name}: {np.polyfit(seen.time[now], way[now], 1)[0]:.2f} m/s from 2.2 "
-        "to 4.5 s"
-    )
+is_steady = (track.time > 2.2) & (track.time < 4.5)
+for name, distance in distances.items():
+    left.plot(track.time, distance, label=name)
+    speed, _ = np.polyfit(track.time[is_steady], distance[is_steady], 1)
+    print(f"{name}: {speed:.2f} m/s from 2.2 to 4.5 s")
 right.plot(time, 1000 * gap)
 style.style_axes(left, xlabel="time [s]", ylabel="distance from the start [m]")
 style.add_legend(left)

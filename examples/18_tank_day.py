@@ -24,7 +24,8 @@ from laticauda.robot import textbook_water
 from laticauda.robot.kinematics import Posture
 from laticauda.show.figures import new_panels, save_figure, style
 
-rng, folder = np.random.default_rng(1), Path("day")
+rng = np.random.default_rng(1)
+folder = Path("day")
 robot = lc.load_robot("amphibot")
 truth = replace(
     textbook_water(robot).water, tangential_friction=0.06, normal_drag=1.9
@@ -35,24 +36,21 @@ tank_day.prepare_folder(folder, robot)
 def log(name: str, trial: lc.Trial) -> None:
     """Fill a table as a lab would: the tail link by motion capture, encoders."""
     posture = Posture(robot, trial.center_of_mass, trial.link_angle)
-    place = posture.link_centers[:, 0]
+    position = posture.link_centers[:, 0]
+    position = position + rng.normal(0.0, 0.0045, position.shape)
     angles = np.column_stack((trial.link_angle[:, :1], trial.joint_angle))
-    place, angles = (
-        place + rng.normal(0.0, 0.0045, place.shape),
-        angles + rng.normal(0.0, 0.005, angles.shape),
-    )
+    angles = angles + rng.normal(0.0, 0.005, angles.shape)
+    rows = np.column_stack((trial.time, position, np.degrees(angles)))
     with (folder / f"{name}.csv").open("a", newline="") as file:
-        csv.writer(file).writerows(
-            np.column_stack((trial.time, place, np.degrees(angles))).tolist()
-        )
+        csv.writer(file).writerows(rows.tolist())
 
 
-asked = lc.lateral_undulation(
+gait = lc.lateral_undulation(
     amplitude_deg=30, frequency_deg_s=120, phase_shift_deg=40
 )
-still = replace(asked, amplitude=0.0)
+still = replace(gait, amplitude=0.0)
 swim = lc.swim(
-    robot, asked, 12.0, environment=truth, joints=SpeedServo(speed_limit=0.9)
+    robot, gait, 12.0, environment=truth, joints=SpeedServo(speed_limit=0.9)
 )
 log("swim", swim)
 glide = lc.swim(
@@ -66,20 +64,21 @@ log("glide", glide)
 with (folder / "tows.csv").open() as file:
     head, *rows = csv.reader(file)
 for row in rows:
-    tow = Tow(speed=float(row[0]), angle=math.radians(float(row[1])))
-    loads = tow.loads(lc.build_scenario(robot, still, environment=truth)).values()
-    row[2:] = [str(load + rng.normal(0.0, 0.03)) for load in loads]
+    speed, angle = float(row[0]), float(row[1])
+    tow = Tow(speed=speed, angle=math.radians(angle))
+    loads = tow.loads(lc.build_scenario(robot, still, environment=truth))
+    row[2:] = [str(load + rng.normal(0.0, 0.03)) for load in loads.values()]
 with (folder / "tows.csv").open("w", newline="") as file:
     csv.writer(file).writerows([head, *rows])
 
 day = tank_day.load_day(folder)
-found = tank_day.evaluate(day)
-print(tank_day.format_evaluation(found))
+evaluation = tank_day.evaluate(day)
+print(tank_day.format_evaluation(evaluation))
 print(
     f"in truth: C_f 0.06, C_D 1.9, C_A {truth.added_mass:.3g}, beta 0.5, "
     "kirchhoff; joints at most 0.9 rad/s"
 )
-tank_day.write_result(folder, day, found)
+tank_day.write_result(folder, day, evaluation)
 
 figure, (ax,) = new_panels(height=2.6)
 for name, trial in (("swim", swim), ("glide", glide)):

@@ -16,18 +16,12 @@ import laticauda as lc
 from laticauda.show.figures import new_panels, save_figure, style
 from laticauda.trials import following
 
-rate = {"frequency_deg_s": 90, "phase_shift_deg": 40}
-lateral = (
-    lc.lateral_undulation(amplitude_deg=30, **rate),
-    lc.load_water("paper-lateral"),
+lateral = lc.lateral_undulation(
+    amplitude_deg=30, frequency_deg_s=90, phase_shift_deg=40
 )
-eel = lc.eel_like(amplitude_deg=40, **rate), lc.load_water("paper-eel")
-swimmers = [
-    (robot, *how) for how in (lateral, eel) for robot in ("mamba", "mamba-fin")
-]
-near, far = (
-    lc.LineOfSight(look_ahead_distance=distance) for distance in (0.18, 1.62)
-)
+eel = lc.eel_like(amplitude_deg=40, frequency_deg_s=90, phase_shift_deg=40)
+near = lc.LineOfSight(look_ahead_distance=0.18)
+far = lc.LineOfSight(look_ahead_distance=1.62)
 integral = lc.IntegralLineOfSight(look_ahead_distance=1.62, integral_gain=0.12)
 laws = {
     "line of sight": (far, 0.25),
@@ -37,71 +31,68 @@ laws = {
 figure, (drift, bend, turn) = new_panels(3, width=9.0, height=3.6)
 
 
-def steady(gait):
-    return lc.OpenLoop(command=lc.Command(gait=gait))
-
-
-def follow(ax, name, plant, gait, guidance, gain, duration, interval, path, **more):
+def follow(path, gait, guidance, gain, interval):
     heading = lc.HeadingController(gain=gain, max_offset=radians(20))
-    steered = lc.PathFollowing(
+    return lc.PathFollowing(
         gait=gait, path=path, guidance=guidance, heading=heading, interval=interval
     )
-    trial = lc.run(plant, steered, duration, **more)
+
+
+def show_error(ax, name, trial):
     error = trial.time, trial.signals["cross_track_error"], trial.period
-    middle, mean = following.mean_error(*error)
-    ax.plot(middle, 100 * mean, label=name)
-    kept, rms = (
-        following.last_third_error(*error),
-        following.steady_error(*error, trial.duration * 2 / 3),
-    )
+    time, mean = following.mean_error(*error)
+    ax.plot(time, 100 * mean, label=name)
+    last_third = following.last_third_error(*error)
+    rms = following.steady_error(*error, trial.duration * 2 / 3)
     print(
-        f"{name}: {100 * kept:.1f} cm in the last third, rms {100 * rms:.1f}, at "
-        f"most {100 * abs(mean).max():.1f} cm"
+        f"{name}: {100 * last_third:.1f} cm in the last third, rms {100 * rms:.1f}, "
+        f"at most {100 * abs(mean).max():.1f} cm"
     )
-    return trial
 
 
-plant = lc.build_plant(
-    lc.load_robot("mamba-fin"), replace(lateral[1], current=(0.0, 0.05))
-)
-for name, law in laws.items():
-    trial = follow(
-        drift, name, plant, lateral[0], *law, 180.0, 0.05, lc.StraightLine()
-    )
-    print(
-        "  Delta tan(sideslip): "
-        f"{100 * law[0].look_ahead_distance * np.tan(trial.sideslip):.1f} cm"
-    )
+water = replace(lc.load_water("paper-lateral"), current=(0.0, 0.05))
+plant = lc.build_plant(lc.load_robot("mamba-fin"), water)
+for name, (guidance, gain) in laws.items():
+    controller = follow(lc.StraightLine(), lateral, guidance, gain, 0.05)
+    trial = lc.run(plant, controller, 180.0)
+    show_error(drift, name, trial)
+    upstream = guidance.look_ahead_distance * np.tan(trial.sideslip)
+    print(f"  Delta tan(sideslip): {100 * upstream:.1f} cm")
 
 path = lc.Spline(
     waypoints=((0.0, 0.0), (2.0, 1.0), (4.0, 0.0), (6.0, -1.0), (8.0, 0.0))
 )
-start = lc.Start(
-    heading=path.locate(path.init(), np.zeros(2))[1].path_tangential_angle
-)
+
+
+def is_at_end(observation):
+    return observation.center_of_mass[0] >= 8.0
+
+
+_, frame = path.locate(path.init(), np.zeros(2))
+start = lc.Start(heading=frame.path_tangential_angle)
 offsets = np.arange(4.0, 24.0, 4.0)
-for robot, gait, water in swimmers:
-    name, plant = (
-        f"{gait.words}, {robot}",
-        lc.build_plant(lc.load_robot(robot), water),
-    )
-    ends = {"start": start, "until": lambda seen: seen.center_of_mass[0] >= 8.0}
-    follow(bend, name, plant, gait, near, 0.4, 150.0, 0.1, path, **ends)
-    turns = [
-        lc.run(plant, steady(replace(gait, offset=radians(one))), 60.0)
-        for one in offsets
-    ]
-    rates = np.degrees([one.turning_rate for one in turns])
+for robot, gait, water in (
+    ("mamba", lateral, "paper-lateral"),
+    ("mamba-fin", lateral, "paper-lateral"),
+    ("mamba", eel, "paper-eel"),
+    ("mamba-fin", eel, "paper-eel"),
+):
+    name = f"{gait.words}, {robot}"
+    plant = lc.build_plant(lc.load_robot(robot), lc.load_water(water))
+    controller = follow(path, gait, near, 0.4, 0.1)
+    trial = lc.run(plant, controller, 150.0, start=start, until=is_at_end)
+    show_error(bend, name, trial)
+    turns = []
+    for offset in offsets:
+        command = lc.Command(gait=replace(gait, offset=radians(offset)))
+        turns.append(lc.run(plant, lc.OpenLoop(command=command), 60.0))
+    rates = np.degrees([trial.turning_rate for trial in turns])
     print(
         f"  turns by {min(rates / offsets):.2f} to {max(rates / offsets):.2f} "
         "deg/s per degree"
     )
-    turn.plot(
-        offsets,
-        [one.path_speed for one in turns] / np.radians(rates),
-        marker=".",
-        label=name,
-    )
+    radii = [trial.path_speed for trial in turns] / np.radians(rates)
+    turn.plot(offsets, radii, marker=".", label=name)
 style.style_axes(drift, xlabel="time [s]", ylabel="error in a current [cm]")
 style.style_axes(bend, xlabel="time [s]", ylabel="error along bends [cm]")
 style.style_axes(turn, xlabel="offset [deg]", ylabel="radius of the turn [m]")

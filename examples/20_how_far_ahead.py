@@ -17,29 +17,27 @@ import laticauda as lc
 from laticauda.show.figures import new_panels, save_figure, style
 from laticauda.trials import following
 
-distances, gains = (
-    (0.09, 0.18, 0.36, 0.54, 0.9, 1.62, 3.24, 4.24),
-    (0.1, 0.2, 0.3, 0.4, 0.6, 0.8),
+distances = (0.09, 0.18, 0.36, 0.54, 0.9, 1.62, 3.24, 4.24)  # [m]
+gains = (0.1, 0.2, 0.3, 0.4, 0.6, 0.8)
+lateral = lc.lateral_undulation(
+    amplitude_deg=30, frequency_deg_s=90, phase_shift_deg=40
 )
-lateral = (
-    lc.lateral_undulation(amplitude_deg=30, frequency_deg_s=90, phase_shift_deg=40),
-    "paper-lateral",
-)
-eel = (
-    lc.eel_like(amplitude_deg=40, frequency_deg_s=90, phase_shift_deg=40),
-    "paper-eel",
-)
+eel = lc.eel_like(amplitude_deg=40, frequency_deg_s=90, phase_shift_deg=40)
 swimmers = [
-    (robot, *how) for how in (lateral, eel) for robot in ("mamba", "mamba-fin")
+    ("mamba", lateral, "paper-lateral"),
+    ("mamba-fin", lateral, "paper-lateral"),
+    ("mamba", eel, "paper-eel"),
+    ("mamba-fin", eel, "paper-eel"),
 ]
-swimmers = swimmers if "all" in sys.argv else swimmers[:1]
+if "all" not in sys.argv:
+    swimmers = swimmers[:1]
 figure, panels = new_panels(
     len(swimmers), width=1.5 + 3.0 * len(swimmers), height=3.8
 )
 
 
 def errors(plant, gait, distance, gain, heading_estimate):
-    """Rms of the cycle-mean error over the last third, and the third before [m]."""
+    """Return the rms error over the last third, and over the one before [m]."""
     controller = lc.PathFollowing(
         gait=gait,
         path=lc.StraightLine(),
@@ -56,34 +54,33 @@ def errors(plant, gait, distance, gain, heading_estimate):
         sample_interval=0.2,
     )
     error = trial.time, trial.signals["cross_track_error"], trial.period
-    return following.steady_error(*error, 80.0), following.steady_error(
-        *error, 40.0, 80.0
-    )
+    last = following.steady_error(*error, 80.0)
+    before = following.steady_error(*error, 40.0, 80.0)
+    return last, before
 
 
 for (robot, gait, water), ax in zip(swimmers, panels, strict=True):
-    name, plant = (
-        f"{gait.words}, {robot}",
-        lc.build_plant(lc.load_robot(robot), lc.load_water(water)),
-    )
-    found = np.array(
-        [
-            [errors(plant, gait, far, gain, "cycle_mean") for gain in gains]
-            for far in distances
-        ]
-    )
-    rms, before = found[..., 0], found[..., 1]
-    # neither settled nor still approaching
-    swings = (rms >= 0.05) & (rms**2 > 0.5 * before**2)
-    first = np.flatnonzero(swings[:, 3])[-1] + 1
+    name = f"{gait.words}, {robot}"
+    plant = lc.build_plant(lc.load_robot(robot), lc.load_water(water))
+    rms = np.zeros((len(distances), len(gains)))
+    before = np.zeros(rms.shape)
+    for i, j in np.ndindex(rms.shape):
+        rms[i, j], before[i, j] = errors(
+            plant, gait, distances[i], gains[j], "cycle_mean"
+        )
+    is_settled = rms < 0.05
+    is_approaching = rms**2 <= 0.5 * before**2
+    swings = ~is_settled & ~is_approaching
+    gain, distance = gains.index(0.4), distances.index(0.18)  # those of the paper
+    first = np.flatnonzero(swings[:, gain])[-1] + 1
     raw, _ = errors(plant, gait, 0.18, 0.4, "raw")
     print(
         f"{name}: at gain 0.4 it settles from {distances[first]} m on; "
         f"{swings.sum()} of {swings.size} loops swing on"
     )
     print(
-        f"  the paper's gains: {100 * rms[1, 3]:.1f} cm rms, with the raw heading "
-        f"{100 * raw:.1f} cm"
+        f"  the paper's gains: {100 * rms[distance, gain]:.1f} cm rms, "
+        f"with the raw heading {100 * raw:.1f} cm"
     )
     image = ax.imshow(
         100 * rms,
@@ -96,9 +93,9 @@ for (robot, gait, water), ax in zip(swimmers, panels, strict=True):
     )
     ax.set_xticks(range(len(gains)), gains)
     ax.set_yticks(range(len(distances)), distances)
-    paper = gains.index(0.4), distances.index(0.18)
-    ax.plot(*paper, **style.marker_style("o", 7.0, "white"))
-    style.add_note(ax, "the paper's gains", paper, (6, 4), color="white")
+    ax.plot(gain, distance, **style.marker_style("o", 7.0, "white"))
+    marker = (gain, distance)
+    style.add_note(ax, "the paper's gains", marker, (6, 4), color="white")
     ax.set_title(name, fontsize=style.LABEL, loc="left")
     style.style_axes(ax, xlabel="gain [-]", ylabel="look-ahead distance [m]")
 bar = figure.colorbar(image, ax=panels)

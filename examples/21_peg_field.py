@@ -31,7 +31,7 @@ section = robot.modules[0].section
 share = (
     4.0 * section.half_height / (pi * (section.half_height + section.half_width))
 )
-plain = replace(
+water = replace(
     lc.load_water("paper-lateral"),
     density=robot.mass / robot.volume,
     normal_drag=1.0,
@@ -40,17 +40,14 @@ plain = replace(
     added_inertia=0.0,
 )
 figure, (ax,) = new_panels(height=2.8)
-for place, environment in (("on land", bare), ("under water", plain)):
-    for scene in (None, "pegs"):
+for place, environment in (("on land", bare), ("under water", water)):
+    for title, scene in (("open", None), ("pegs", "pegs")):
         trial = lc.swim(
             robot, gait, 15.0, environment=environment, model="spatial", scene=scene
         )
-        around = "pegs" if scene else "nothing"
-        ax.plot(trial.time, trial.center_of_mass[:, 0], label=f"{place}, {around}")
-        way = trial.center_of_mass[-1, 0] - trial.center_of_mass[0, 0]
-        print(
-            f"{place}, {'open' if scene is None else 'pegs'}: {way:+.2f} m in 15 s"
-        )
+        x = trial.center_of_mass[:, 0]
+        ax.plot(trial.time, x, label=f"{place}, {title}")
+        print(f"{place}, {title}: {x[-1] - x[0]:+.2f} m in 15 s")
     force = np.linalg.norm(trial.link_force["contact"], axis=2)
     print(
         f"   {force.sum(axis=1).mean():.0f} N of contact on average, up to "
@@ -63,12 +60,14 @@ style.add_legend(ax, loc="upper left")
 save_figure(figure, "pegs.png")
 
 skin = replace(bare, normal=0.5)
-for scene in (None, HeightField(amplitude=0.03), HeightField(amplitude=0.06)):
+for amplitude in (0.0, 0.03, 0.06):
+    scene = None
+    if amplitude > 0.0:
+        scene = HeightField(amplitude=amplitude)
     trial = lc.swim(
         robot, gait, 10.0, environment=skin, model="spatial", scene=scene
     )
-    way = trial.center_of_mass[-1, 0] - trial.center_of_mass[0, 0]
+    x = trial.center_of_mass[:, 0]
     print(
-        f"waves of {0.0 if scene is None else scene.amplitude:.2f} m in the "
-        f"ground: {way:+.2f} m in 10 s"
+        f"waves of {amplitude:.2f} m in the ground: {x[-1] - x[0]:+.2f} m in 10 s"
     )

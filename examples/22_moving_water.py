@@ -22,25 +22,25 @@ scenario = lc.build_scenario("mamba-fin", gait, parameters="mamba-identified")
 water = scenario.environment
 gusts = replace(lc.load_current("turbulence"), mean=(0.0, 0.0, 0.0))
 still = lc.swim_many([scenario])
-dearness = still.mechanical_power / still.forward_velocity
+energy_in_still_water = still.mechanical_power / still.forward_velocity  # [J/m]
 figure, (ax,) = new_panels(width=5.0)
 
 for intensity in (0.01, 0.03, 0.1):
-    waters = [
-        replace(water, current=replace(gusts, intensity=intensity, seed=seed))
-        for seed in range(20)
-    ]
-    found = lc.swim_many([replace(scenario, environment=one) for one in waters])
-    speed = 100.0 * (found.forward_velocity / still.forward_velocity - 1.0)
-    energy = 100.0 * (
-        found.mechanical_power / found.forward_velocity / dearness - 1.0
-    )
-    turned = np.degrees(found.heading - still.heading)
+    scenarios = []
+    for seed in range(20):
+        turbulence = replace(gusts, intensity=intensity, seed=seed)
+        moving_water = replace(water, current=turbulence)
+        scenarios.append(replace(scenario, environment=moving_water))
+    swims = lc.swim_many(scenarios)
+    energy_per_meter = swims.mechanical_power / swims.forward_velocity
+    speed = 100.0 * (swims.forward_velocity / still.forward_velocity - 1.0)
+    energy = 100.0 * (energy_per_meter / energy_in_still_water - 1.0)
+    turn = np.degrees(swims.heading - still.heading)
     print(
         f"{intensity:.2f} m/s: speed {np.mean(speed):+.1f} % +- "
         f"{np.std(speed, ddof=1):.1f}, energy per meter "
         f"{np.mean(energy):+.1f} % +- {np.std(energy, ddof=1):.1f}, turned by +- "
-        f"{np.std(turned, ddof=1):.0f} deg"
+        f"{np.std(turn, ddof=1):.0f} deg"
     )
     ax.plot(
         np.full(speed.size, intensity),

@@ -38,57 +38,56 @@ def gait(frequency: float, amplitude: float = 30.0) -> lc.Gait:
 # Instead of a tank: water whose numbers nobody knows, and 3 % of noise.
 textbook = textbook_water(robot).water
 truth = replace(textbook, tangential_friction=0.05, added_mass=1.1)
-tried = [
-    gait(frequency, amplitude)
-    for frequency in (100, 140, 180, 220)
-    for amplitude in (25, 35)
-]
-speeds = lc.swim_many(robot, tried, 15.0, environments=truth).forward_velocity
+tried_gaits = []
+for frequency in (100, 140, 180, 220):
+    tried_gaits += [gait(frequency, amplitude=25), gait(frequency, amplitude=35)]
+speeds = lc.swim_many(robot, tried_gaits, 15.0, environments=truth).forward_velocity
 speeds *= 1.0 + 0.03 * np.random.default_rng(2).standard_normal(speeds.size)
-rows = [
-    Measurement(
-        name=f"run {number}",
-        scenario=lc.build_scenario(robot, one, 15.0, environment=textbook),
-        figures={"forward_velocity": (speed, 0.03 * speed)},
+measurements = []
+for number, (tried, speed) in enumerate(zip(tried_gaits, speeds, strict=True)):
+    scenario = lc.build_scenario(robot, tried, 15.0, environment=textbook)
+    figures = {"forward_velocity": (speed, 0.03 * speed)}  # and its deviation
+    measurements.append(
+        Measurement(name=f"run {number}", scenario=scenario, figures=figures)
     )
-    for number, (one, speed) in enumerate(zip(tried, speeds, strict=True))
-]
 
 # Friction is fitted, drag as well, with what the tables say about it; added mass and
 # the law's beta stay at the tables' values, though nobody knows them.
 drag = Unknown(name="water.normal_drag", prior=(textbook.normal_drag, 0.14))
-found = fit(rows, parameters=["water.tangential_friction", drag], n_starts=1)
-basis = basis_of(found)
-run = found.problem.scenarios_at(found.best)[0]
+result = fit(
+    measurements, parameters=["water.tangential_friction", drag], n_starts=1
+)
+basis = basis_of(result)
+fitted = result.problem.scenarios_at(result.best)[0]
 
 frequencies = np.linspace(80, 260, 10)
-predicted = [
-    predict_scenario(basis, replace(run, motion=gait(frequency))).figures[
-        "forward_velocity"
-    ]
-    for frequency in frequencies
-]
-one = predicted[5]
-low, high = one.low, one.high
+predictions = []
+for frequency in frequencies:
+    prediction = predict_scenario(basis, replace(fitted, motion=gait(frequency)))
+    predictions.append(prediction.figures["forward_velocity"])
+speed = predictions[5]
 print(
-    f"{one.value:.3f} m/s at {frequencies[5]:.0f} deg/s, 95 % {low:.3f} to {high:.3f}"
+    f"{speed.value:.3f} m/s at {frequencies[5]:.0f} deg/s, "
+    f"95 % {speed.low:.3f} to {speed.high:.3f}"
 )
 for name in ("coefficients", "held_fixed", "left_out"):
-    print(f"  {name:12} {100 * getattr(one.shares, name):.1f} %, one deviation")
+    print(f"  {name:12} {100 * getattr(speed.shares, name):.1f} %, one deviation")
 
 figure, ax = plt.subplots(figsize=(7, 4.5), layout="constrained")
 ax.fill_between(
     frequencies,
-    [one.low for one in predicted],
-    [one.high for one in predicted],
+    [speed.low for speed in predictions],
+    [speed.high for speed in predictions],
     alpha=0.25,
     label="95 % interval at 30°",
 )
-ax.plot(frequencies, [one.value for one in predicted], label="predicted at 30°")
-true = lc.swim_many(robot, [gait(f) for f in frequencies], 15.0, environments=truth)
-ax.plot(frequencies, true.forward_velocity, "k--", label="what it would swim")
-shown = np.degrees([one.frequency for one in tried])
-ax.plot(shown, speeds, "ko", label="measured at 25° and 35°")
+values = [speed.value for speed in predictions]
+ax.plot(frequencies, values, label="predicted at 30°")
+new_gaits = [gait(frequency) for frequency in frequencies]
+swims = lc.swim_many(robot, new_gaits, 15.0, environments=truth)
+ax.plot(frequencies, swims.forward_velocity, "k--", label="what it would swim")
+tried_frequencies = np.degrees([tried.frequency for tried in tried_gaits])
+ax.plot(tried_frequencies, speeds, "ko", label="measured at 25° and 35°")
 ax.set_xlabel("frequency [deg/s]")
 ax.set_ylabel("speed [m/s]")
 ax.legend()

@@ -21,48 +21,46 @@ truth = textbook_water(eel).water
 swim = lc.swim(eel, gait, 9.0, environment=truth, sample_interval=1 / 60)
 filmed = swim.time > 5.0
 along = [0.39, 0.35, 0.3, 0.24, 0.19, 0.14, 0.09, 0.05, 0.01]  # m from the tail tip
-places = marker_places(swim, along)[filmed]
-chance = np.random.default_rng(1)
-places = places + 0.001 * chance.standard_normal(places.shape)
-jumps = chance.random(places.shape[:2]) < 0.02
-places[jumps] += 0.1 * chance.standard_normal((jumps.sum(), 2))
+positions = marker_places(swim, along)[filmed]
+rng = np.random.default_rng(1)
+positions = positions + 0.001 * rng.standard_normal(positions.shape)
+jumps = rng.random(positions.shape[:2]) < 0.02
+positions[jumps] += 0.1 * rng.standard_normal((jumps.sum(), 2))
 points = TrackedPoints(
     time=swim.time[filmed],
     names=tuple(f"point {number}" for number in range(9)),
-    position=places,
-    likelihood=np.full(places.shape[:2], np.nan),
+    position=positions,
+    likelihood=np.full(positions.shape[:2], np.nan),
     unit="m",
 )
 
 # A real file is read by `laticauda.film.read_points`. The water is that of tables.
 forces = invert_points(points, eel, along, n_draws=100)
-begin, end = (
-    np.interp(t, swim.time, swim.work[:, 0]) for t in forces.window.time[[0, -1]]
-)
-true_power = (end - begin) / forces.window.duration
+window = forces.window
+true_work = np.interp(window.time[[0, -1]], swim.time, swim.work[:, 0])
+true_power = (true_work[1] - true_work[0]) / window.duration
 for name in ("speed", "mechanical_power", "froude_efficiency", "left_over_share"):
-    one = forces.figures[name]
-    where = ", ".join(
-        f"{source} {share:.0%}" for source, share in one.shares.items()
-    )
+    value = forces.figures[name]
+    sources = [f"{source} {share:.0%}" for source, share in value.shares.items()]
     print(
-        f"{one.title:30} {one.median:.3g} ({one.low:.3g} to {one.high:.3g}) {one.unit}"
+        f"{value.title:30} {value.median:.3g} "
+        f"({value.low:.3g} to {value.high:.3g}) {value.unit}"
     )
-    print(f"{'':30} from {where}")
+    print(f"{'':30} from {', '.join(sources)}")
 print(f"true power {true_power:.3g} W; places left out: {forces.fit.n_outliers}")
 
 figure, (curves, bars) = plt.subplots(1, 2, figsize=(9, 3.8), layout="constrained")
-shown = forces.fit.motion(forces.window.time)
-draws = np.degrees(forces.fit.draw(100, shown.time).joint_angle)
+motion = forces.fit.motion(window.time)
+draws = np.degrees(forces.fit.draw(100, motion.time).joint_angle)
 low, high = np.percentile(draws, (2.5, 97.5), axis=0)
 for joint, color in ((0, "C0"), (4, "C1"), (8, "C2")):
-    angle = np.degrees(shown.joint_angle[:, joint])
-    curves.plot(shown.time, angle, color=color, label=f"joint {joint + 1}")
+    angle = np.degrees(motion.joint_angle[:, joint])
+    curves.plot(motion.time, angle, color=color, label=f"joint {joint + 1}")
     band = low[:, joint], high[:, joint]
-    curves.fill_between(shown.time, *band, color=color, alpha=0.25, linewidth=0)
-    true = np.degrees(swim.joint_angle[filmed, joint])
-    curves.plot(swim.time[filmed], true, "k:", linewidth=1)
-curves.set_xlim(*forces.window.time[[0, -1]])
+    curves.fill_between(motion.time, *band, color=color, alpha=0.25, linewidth=0)
+    true_angle = np.degrees(swim.joint_angle[filmed, joint])
+    curves.plot(swim.time[filmed], true_angle, "k:", linewidth=1)
+curves.set_xlim(*window.time[[0, -1]])
 curves.set_xlabel("time [s]")
 curves.set_ylabel("joint angle [deg]")
 curves.set_title("fit with its 95 % band; dotted: true", fontsize="medium")
@@ -70,9 +68,11 @@ curves.legend(
     loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=3, frameon=False
 )
 links = forces.link_figures
-median = np.array([one.median for one in links])
-reach = np.array([[one.median - one.low, one.high - one.median] for one in links]).T
-bars.bar(np.arange(1, 11), 1e3 * median, yerr=1e3 * reach, color="C0")
+median = np.array([force.median for force in links])
+below = median - [force.low for force in links]
+above = [force.high for force in links] - median
+numbers = np.arange(1, len(links) + 1)
+bars.bar(numbers, 1e3 * median, yerr=[1e3 * below, 1e3 * above], color="C0")
 bars.axhline(0.0, color="gray", linewidth=0.8)
 bars.set_xlabel("link, from the tail")
 bars.set_ylabel("mean force along the way [mN]")

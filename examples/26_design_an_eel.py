@@ -16,12 +16,12 @@ from laticauda.studies import Optimization, judge_design, judge_point, optimize
 
 eel = lc.load_robot(Path(__file__).parent / "eel.toml")
 robot = with_servos(eel, "xw540-t140")
-light = tuple(
-    replace(module, mass=0.45) for module in robot.modules
-)  # without ballast
+# Without ballast.
+light_modules = tuple(replace(module, mass=0.45) for module in robot.modules)
+light = replace(robot, modules=light_modules)
 gait = lc.eel_like(amplitude=0.5, frequency=3.0, phase_shift=0.6)
-sought = Optimization(
-    scenario=lc.build_scenario(replace(robot, modules=light), gait, 8.0, ramp=2.0),
+optimization = Optimization(
+    scenario=lc.build_scenario(light, gait, 8.0, ramp=2.0),
     bounds={
         "robot.module[:3].length": (0.09, 0.2),
         "robot.module[3:7].length": (0.09, 0.2),
@@ -45,9 +45,9 @@ sought = Optimization(
     ballast=True,
     length_step=0.001,
 )
-front = optimize(sought, budget=600, seed=1)
-before = judge_design(sought)
-after = judge_point(sought, front.values[0])
+front = optimize(optimization, budget=600, seed=1)
+before = judge_design(optimization)
+after = judge_point(optimization, front.values[0])
 print(f"{front.n_trials} points, {front.n_slope_trials} trials for slopes")
 for title, design in (("before", before), ("after", after)):
     print(f"{title}: {design.trial.forward_velocity:.3f} m/s")
@@ -55,10 +55,13 @@ for title, design in (("before", before), ("after", after)):
         print(f"   {use.limit}: {100 * use.share:.0f} %, {use.description}")
 print("it comes up against:", ", ".join(after.active))
 designed = replace(after.scenario.robot, name="eel-design")
-servos = lc.swim(designed, after.scenario.gait, 8.0, joints="servo")
+with_servos_as_they_are = lc.swim(
+    designed, after.scenario.gait, 8.0, joints="servo"
+)
+speed = with_servos_as_they_are.forward_velocity
+power = with_servos_as_they_are.mean_power + designed.idle_power
 print(
-    f"with servos that follow the gait as they can: {servos.forward_velocity:.3f} m/s, "
-    f"{servos.mean_power + designed.idle_power:.1f} W"
+    f"with servos that follow the gait as they can: {speed:.3f} m/s, {power:.1f} W"
 )
 Path("eel-design.toml").write_text(to_toml(designed), encoding="utf-8")
 design = replace(after.scenario, robot=designed)

@@ -52,20 +52,16 @@ for column, (name, network) in enumerate(states.items()):
         f"{name}: {np.median(abs(speeds)):.3f} m/s, "
         f"{np.sum(speeds < -0.01)} of 20 tail first"
     )
-    shown = trials[0].time > DURATION - 8
-    bend = np.degrees(trials[0].joint_angle[shown])
-    time = trials[0].time[shown]
+    ax = panels[column]
+    is_shown = trials[0].time > DURATION - 8
+    bend = np.degrees(trials[0].joint_angle[is_shown])
+    time = trials[0].time[is_shown]
     for joint in range(8):
-        panels[column].plot(
-            time,
-            joint + bend[:, joint] / 60,
-            color=style.BLUE,
-            linestyle="-",
-            linewidth=0.9,
-        )
+        line = joint + bend[:, joint] / 60
+        ax.plot(time, line, color=style.BLUE, linestyle="-", linewidth=0.9)
     ylabel = "joint, from the tail" if column == 0 else ""
-    style.style_axes(panels[column], xlabel="time [s]", ylabel=ylabel)
-    panels[column].set_title(name, fontsize=style.LABEL)
+    style.style_axes(ax, xlabel="time [s]", ylabel=ylabel)
+    ax.set_title(name, fontsize=style.LABEL)
     spread = column + 0.02 * (np.arange(20) - 9.5)
     panels[3].plot(spread, speeds, ".", color=style.BLUE)
 panels[3].axhline(0.0, color=style.GRAY, linewidth=0.6)
