@@ -15,6 +15,7 @@ environment is made read-only.
 """
 
 import argparse
+import contextlib
 import csv
 import json
 import os
@@ -26,18 +27,23 @@ import sys
 import sysconfig
 import tempfile
 import zipfile
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-STORED, ROOT = Path(__file__).with_suffix(".csv"), Path(__file__).parent.parent
+STORED = Path(__file__).with_suffix(".csv")
+ROOT = Path(__file__).parent.parent
 SWIM = (
     "swim --robot mamba --gait lateral-undulation "
     "--amplitude-deg 30 --frequency-deg-s 130 --phase-shift-deg 40 --json"
 )
 LIMITS = {"first swim": 2.5}
 """Of what is measured as multiples of the command whose kernels are there."""
-WORKS, REFUSED = "works", "refused by name"
+WORKS = "works"
+WORKS_AND_SAYS_SO = f"{WORKS}, and says so"
+REFUSED = "refused by name"
 NOBODY = 65534
+"""Number of a user who owns nothing."""
 FAMILIES = {
     "Python": "(?!)",
     "NumPy": "numpy",
@@ -59,18 +65,8 @@ class Answer(NamedTuple):
 
 def build(folder: Path) -> Path:
     """The wheel of these sources, by an environment of its own for the build."""
-    words = [
-        sys.executable,
-        "-m",
-        "pip",
-        "wheel",
-        "-qq",
-        "--no-deps",
-        "--wheel-dir",
-        str(folder),
-        str(ROOT),
-    ]
-    subprocess.run(words, check=True)
+    options = ["-qq", "--no-deps", "--wheel-dir", str(folder)]
+    subprocess.run([sys.executable, "-m", "pip", "wheel", *options, str(ROOT)], check=True)
     return next(folder.glob("laticauda-*.whl"))
 
 
@@ -86,16 +82,11 @@ def install(
         borrow: Whether all else comes from the packages of the Python that runs this.
     """
     subprocess.run([python, "-m", "venv", "--without-pip", str(folder)], check=True)
-    pip = [
-        sys.executable,
-        "-m",
-        "pip",
-        "--python",
-        str(folder / "bin" / "python"),
-        "install",
-        "-qq",
-    ]
-    subprocess.run([*pip, *(["--no-deps", "--no-index"] if borrow else []), str(wheel)], check=True)
+    pip = [sys.executable, "-m", "pip", "--python", str(folder / "bin" / "python")]
+    options = ["-qq"]
+    if borrow:
+        options += ["--no-deps", "--no-index"]
+    subprocess.run([*pip, "install", *options, str(wheel)], check=True)
     if borrow:  # only now, or pip would find it installed
         (packages,) = folder.glob("lib/python*/site-packages")
         (packages / "borrowed.pth").write_text(sysconfig.get_path("purelib") + "\n")
@@ -108,49 +99,62 @@ def processor_time() -> float:
     return used.ru_utime + used.ru_stime
 
 
-def swim(programs: Path, cache: Path | None, **changes: Any) -> tuple[float, dict[str, Any], str]:
-    """The command once: seconds of the processor, what it says, and its warnings.
+class Swim(NamedTuple):
+    """What the command did."""
+
+    seconds: float
+    """Time of the processor [s]."""
+    facts: dict[str, Any]
+    """What it printed."""
+    warnings: str
+
+
+def swim(programs: Path, cache: Path | None, **changes: Any) -> Swim:
+    """Run the command once.
 
     Args:
         programs: Of the environment.
         cache: Of compiled code; None: where the program finds a place.
         changes: Of `subprocess.run`.
     """
-    own = {"PATH": os.environ["PATH"], "HOME": "/dev/null"}
-    own |= {} if cache is None else {"NUMBA_CACHE_DIR": str(cache)}
-    words = [str(programs / "laticauda"), *SWIM.split()]
+    environment = {"PATH": os.environ["PATH"], "HOME": "/dev/null"}
+    if cache is not None:
+        environment["NUMBA_CACHE_DIR"] = str(cache)
+    command = [str(programs / "laticauda"), *SWIM.split()]
     before = processor_time()
-    done = subprocess.run(
-        words, env=own, cwd="/", capture_output=True, text=True, check=True, **changes
+    process = subprocess.run(
+        command, env=environment, cwd="/", capture_output=True, text=True, check=True, **changes
     )
-    return processor_time() - before, json.loads(done.stdout), done.stderr
+    return Swim(processor_time() - before, json.loads(process.stdout), process.stderr)
 
 
 def costs(with_kernels: Path, without: Path, folder: Path, rounds: int) -> list[Answer]:
     """The first swim, with and without the wheel's kernels, as multiples of the one that finds all compiled."""
-    full = folder / "full"
-    compiling, said, _ = swim(without, full)
-    first: list[float] = []
-    later: list[float] = []
+    full_cache = folder / "full"
+    compiling = swim(without, full_cache)
+    seconds_of_first: list[float] = []
+    seconds_of_later: list[float] = []
     for k in range(rounds):
-        now, same, _ = swim(with_kernels, folder / f"empty{k}")
-        assert same == said, "the wheel's kernels give other numbers"
-        first.append(now)
-        later.append(swim(without, full)[0])
+        first = swim(with_kernels, folder / f"empty{k}")
+        assert first.facts == compiling.facts, "the wheel's kernels give other numbers"
+        later = swim(without, full_cache)
+        seconds_of_first.append(first.seconds)
+        seconds_of_later.append(later.seconds)
+    least = min(seconds_of_later)
     return [
-        Answer("first swim", f"{min(first) / min(later):.2f}"),
-        Answer("first swim without the wheel's kernels", f"{compiling / min(later):.1f}"),
+        Answer("first swim", f"{min(seconds_of_first) / least:.2f}"),
+        Answer("first swim without the wheel's kernels", f"{compiling.seconds / least:.1f}"),
     ]
 
 
-def spent(*words: str) -> float:
+def least_time(*words: str) -> float:
     """Seconds of the processor that a command takes, the least of three."""
-    found: list[float] = []
+    seconds: list[float] = []
     for _ in range(3):
         before = processor_time()
         subprocess.run(words, capture_output=True, check=True, cwd="/")
-        found.append(processor_time() - before)
-    return min(found)
+        seconds.append(processor_time() - before)
+    return min(seconds)
 
 
 def first_second(*words: str) -> dict[str, float]:
@@ -160,53 +164,69 @@ def first_second(*words: str) -> dict[str, float]:
         words: The command.
     """
     python, *arguments = words
-    done = subprocess.run(
+    process = subprocess.run(
         [python, "-X", "importtime", *arguments],
         capture_output=True,
         text=True,
         check=True,
         cwd="/",
     )
-    names = re.findall(r"^import time: +\d+ \| +\d+ \| +([\w.]+)", done.stderr, re.MULTILINE)
+    line = r"^import time: +\d+ \| +\d+ \| +([\w.]+)"
+    modules = re.findall(line, process.stderr, re.MULTILINE)
     # The command looks for no garbage while it imports.
-    imports, shares, last = "import gc, importlib, contextlib\ngc.disable()\n", {}, 0.0
-    for family, own in FAMILIES.items():
-        mine = [name for name in names if re.match(own, name)]
-        names = [name for name in names if name not in mine]
-        imports += "".join(
-            f"with contextlib.suppress(ImportError): importlib.import_module({one!r})\n"
-            for one in mine
-        )
-        now = spent(python, "-c", imports)
-        shares[family], last = now - last, now
-    whole = spent(*words)
-    shares["kernels, swimming, printing"] = whole - last
-    return {family: time / whole for family, time in shares.items()}
+    imports = "import gc, importlib, contextlib\ngc.disable()\n"
+    seconds: dict[str, float] = {}
+    total = 0.0
+    for family, pattern in FAMILIES.items():
+        of_family = [module for module in modules if re.match(pattern, module)]
+        modules = [module for module in modules if module not in of_family]
+        for module in of_family:
+            imports += "with contextlib.suppress(ImportError): "
+            imports += f"importlib.import_module({module!r})\n"
+        total_with_family = least_time(python, "-c", imports)
+        seconds[family] = total_with_family - total
+        total = total_with_family
+    whole = least_time(*words)
+    seconds["kernels, swimming, printing"] = whole - total
+    return {part: time / whole for part, time in seconds.items()}
 
 
 def elsewhere(with_kernels: Path, without: Path, folder: Path) -> list[Answer]:
     """Where little can be written, or nothing is a folder."""
-    found = [Answer("no home", _quiet(swim(with_kernels, None)[2]))]
-    is_root = os.geteuid() == 0
-    if not is_root:
-        for path in [*folder.rglob("*"), folder]:
-            path.chmod(path.stat().st_mode & ~0o222)
-    own: Any = {"user": NOBODY, "group": NOBODY, "extra_groups": []} if is_root else {}
+    no_home = swim(with_kernels, None)
+    with writing_nowhere(folder) as user:
+        ready = swim(with_kernels, None, **user)
+        compiling = swim(without, None, **user)
+    answer_of_compiling = compiling.warnings
+    if compiling.warnings.count("compiled kernels are kept in ") == 1:
+        answer_of_compiling = WORKS_AND_SAYS_SO
+    return [
+        Answer("no home", works_silently(no_home)),
+        Answer("may write nowhere", works_silently(ready)),
+        Answer("may write nowhere, and compiles", answer_of_compiling),
+    ]
+
+
+@contextlib.contextmanager
+def writing_nowhere(folder: Path) -> Iterator[dict[str, Any]]:
+    """Who runs a command that may not write there: another user, or this one, for whom the folder is read-only."""
+    if os.geteuid() == 0:
+        yield {"user": NOBODY, "group": NOBODY, "extra_groups": []}
+        return
+    for path in [*folder.rglob("*"), folder]:
+        path.chmod(path.stat().st_mode & ~0o222)
     try:
-        found.append(Answer("may write nowhere", _quiet(swim(with_kernels, None, **own)[2])))
-        said = swim(without, None, **own)[2]
-        told = said.count("compiled kernels are kept in ") == 1
-        found.append(
-            Answer("may write nowhere, and compiles", f"{WORKS}, and says so" if told else said)
-        )
+        yield {}
     finally:
-        for path in [folder, *folder.rglob("*")] if not is_root else []:
+        for path in [folder, *folder.rglob("*")]:
             path.chmod(path.stat().st_mode | 0o200)
-    return found
 
 
-def _quiet(said: str) -> str:
-    return WORKS if "kernels" not in said else said
+def works_silently(swim: Swim) -> str:
+    """That it works, or what it says of kernels."""
+    if "kernels" in swim.warnings:
+        return swim.warnings
+    return WORKS
 
 
 def archived(with_kernels: Path, folder: Path) -> Answer:
@@ -216,10 +236,12 @@ def archived(with_kernels: Path, folder: Path) -> Answer:
         archive.writestr("__main__.py", "from laticauda.cli.app import main\nmain()\n")
         for path in (packages / "laticauda").rglob("*.*"):
             archive.write(path, path.relative_to(packages))
-    words = [str(with_kernels / "python"), "-I", str(folder / "swim.pyz"), *SWIM.split()]
-    done = subprocess.run(words, capture_output=True, text=True)
-    is_named = done.returncode != 0 and "laticauda must be installed in a folder" in done.stderr
-    return Answer("from an archive", REFUSED if is_named else done.stderr)
+    command = [str(with_kernels / "python"), "-I", str(folder / "swim.pyz"), *SWIM.split()]
+    process = subprocess.run(command, capture_output=True, text=True)
+    is_named = "laticauda must be installed in a folder" in process.stderr
+    if process.returncode != 0 and is_named:
+        return Answer("from an archive", REFUSED)
+    return Answer("from an archive", process.stderr)
 
 
 def under(python: str, folder: Path) -> Answer:
@@ -229,24 +251,24 @@ def under(python: str, folder: Path) -> Answer:
         return Answer(case, "left out: it is not here")
     try:
         programs = install(ROOT, folder, python, borrow=False)
-        said = swim(programs, None)[2]
+        return Answer(case, works_silently(swim(programs, None)))
     except subprocess.CalledProcessError as error:
         return Answer(case, f"left out: {error}")
-    return Answer(case, _quiet(said))
 
 
 def runnable_by_all() -> str:
     """A Python of this version that another user can run, too; else this one."""
     name = "python{}.{}".format(*sys.version_info)
     for place in (os.path.realpath(sys.executable), f"/usr/bin/{name}", f"/usr/local/bin/{name}"):
-        if all(
-            path.stat().st_mode & 0o005 == 0o005
-            for path in (Path(place), *Path(place).parents)
-            if path.exists()
-        ):
-            if Path(place).exists():
-                return place
+        program = Path(place)
+        if program.exists() and all(map(is_open_to_all, (program, *program.parents))):
+            return place
     return sys.executable
+
+
+def is_open_to_all(path: Path) -> bool:
+    """Whether any user may read and enter or run it."""
+    return path.stat().st_mode & 0o005 == 0o005
 
 
 def stored() -> dict[str, str]:
@@ -265,39 +287,48 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         folder.chmod(0o755)
-        wheel, python = build(folder), runnable_by_all()
-        with_kernels, without = (
-            install(wheel, folder / one, python) for one in ("with", "without")
-        )
-        for ready in without.parent.glob("lib/python*/site-packages/laticauda/models/planar/ready"):
-            shutil.rmtree(ready)
-        found = costs(with_kernels, without, folder, settings.rounds)
-        shares = first_second(
-            str(with_kernels / "python"), str(with_kernels / "laticauda"), *SWIM.split()
-        )
-        found += [
-            Answer(f"share of it: {one}", f"{100.0 * share:.0f} %") for one, share in shares.items()
-        ]
-        found += [
-            *elsewhere(with_kernels, without, folder / "with"),
-            archived(with_kernels, folder),
-        ]
-        found += [under(one, folder / f"under-{k}") for k, one in enumerate(settings.pythons)]
-    kept = stored() if STORED.exists() else {}
-    for case, answer in found:
-        print(f"{case:40} {answer}   (stored: {kept.get(case, 'nothing')})")
+        answers = ask_all(folder, settings.rounds, settings.pythons)
+    answers_before: dict[str, str] = {}
+    if STORED.exists():
+        answers_before = stored()
+    for case, answer in answers:
+        print(f"{case:40} {answer}   (stored: {answers_before.get(case, 'nothing')})")
     if settings.write:
         with STORED.open("w", newline="", encoding="utf-8") as file:
-            csv.writer(file, lineterminator="\n").writerows([Answer._fields, *found])
-    good = (WORKS, f"{WORKS}, and says so", REFUSED)
-    bad = [
-        one.case
-        for one in found
-        if one.answer not in good and not re.match(r"\d|left out", one.answer)
-    ]
-    bad += [case for case, limit in LIMITS.items() if float(dict(found)[case]) > limit]
+            csv.writer(file, lineterminator="\n").writerows([Answer._fields, *answers])
+    bad = bad_cases(answers)
     print("; ".join(bad) or "all as it should be")
     return 1 if bad else 0
+
+
+def ask_all(folder: Path, rounds: int, pythons: Sequence[str]) -> list[Answer]:
+    """The answers to all questions."""
+    wheel = build(folder)
+    python = runnable_by_all()
+    with_kernels = install(wheel, folder / "with", python)
+    without = install(wheel, folder / "without", python)
+    for ready in without.parent.glob("lib/python*/site-packages/laticauda/models/planar/ready"):
+        shutil.rmtree(ready)
+    answers = costs(with_kernels, without, folder, rounds)
+    command = [str(with_kernels / "python"), str(with_kernels / "laticauda"), *SWIM.split()]
+    for part, share in first_second(*command).items():
+        answers.append(Answer(f"share of it: {part}", f"{100.0 * share:.0f} %"))
+    answers += elsewhere(with_kernels, without, folder / "with")
+    answers.append(archived(with_kernels, folder))
+    for k, other_python in enumerate(pythons):
+        answers.append(under(other_python, folder / f"under-{k}"))
+    return answers
+
+
+def bad_cases(answers: Sequence[Answer]) -> list[str]:
+    """Cases that are beyond their limit, or do not work."""
+    bad: list[str] = []
+    for case, answer in answers:
+        is_number_or_left_out = re.match(r"\d|left out", answer)
+        if answer not in (WORKS, WORKS_AND_SAYS_SO, REFUSED) and not is_number_or_left_out:
+            bad.append(case)
+    answer_of_case = dict(answers)
+    return bad + [case for case, limit in LIMITS.items() if float(answer_of_case[case]) > limit]
 
 
 if __name__ == "__main__":

@@ -16,13 +16,14 @@ if that is below 0.1 m. Intervals are of the mean over seeds, 95 %, Student's t.
 
 import argparse
 import csv
+import itertools
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass, replace
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.stats import t as student
@@ -35,13 +36,19 @@ from laticauda.water.fluid.eddies import KarmanStreet, Turbulence
 from laticauda.water.fluid.flow import Flow
 
 STORED = Path(__file__).with_suffix(".csv")
-SEEDS, DURATION = 20, 90.0  # [-], [s]
-HELD = 0.1  # m
-KINDS: dict[str, Any] = {"water": str, "law": str, "seed": int}  # of columns; others are numbers
+SEEDS = 20
+"""Seeds of every water and law."""
+DURATION = 90.0
+"""Duration of a run [s]."""
+HELD = 0.1
+"""Error below which a law holds the line [m]."""
+KINDS: dict[str, Any] = {"water": str, "law": str, "seed": int}
+"""Kinds of columns; others are numbers."""
 GAIT = lc.lateral_undulation(
     amplitude=math.radians(30), frequency=math.radians(90), phase_shift=math.radians(40)
 )
-LEFT = math.pi / 2  # across the line
+LEFT = math.pi / 2
+"""Direction across the line [rad]."""
 
 Water = Flow | tuple[float, float]
 
@@ -94,8 +101,10 @@ WATERS: dict[str, Callable[[np.random.Generator, int], Water]] = {
     ),
 }
 DIRECTIONS = {"with": 0.0, "across": LEFT, "against": math.pi}
-PERIODS = (1.0, 2.0)  # of waves [s]; they are 1.56 m and 6.2 m long, the robot 1.7 m
-OBSERVED = "LOS, observer"  # the law in those
+PERIODS = (1.0, 2.0)
+"""Periods of waves [s]; they are 1.56 m and 6.2 m long, the robot 1.7 m."""
+OBSERVED = "LOS, observer"
+"""The law in those waves."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -131,11 +140,15 @@ def laws() -> dict[str, Any]:
     """The controllers, by name."""
     observer = CurrentObserver(model=model())
 
-    def sight(sigma: float, observer: CurrentObserver | None = None) -> lc.PathFollowing:
-        law = lc.IntegralLineOfSight(look_ahead_distance=1.62, integral_gain=sigma)
-        turns = lc.HeadingController(gain=0.25, max_offset=math.radians(20.0))
+    def line_of_sight(
+        integral_gain: float, observer: CurrentObserver | None = None
+    ) -> lc.PathFollowing:
         return lc.PathFollowing(
-            gait=GAIT, path=lc.StraightLine(), guidance=law, heading=turns, observer=observer
+            gait=GAIT,
+            path=lc.StraightLine(),
+            guidance=lc.IntegralLineOfSight(look_ahead_distance=1.62, integral_gain=integral_gain),
+            heading=lc.HeadingController(gain=0.25, max_offset=math.radians(20.0)),
+            observer=observer,
         )
 
     plan = ModelPredictive(
@@ -143,10 +156,10 @@ def laws() -> dict[str, Any]:
     )
     # Beside an observer the integral has the rest to take alone: a sixth of its gain.
     return {
-        "LOS": sight(0.0),
-        "ILOS": sight(0.12),
-        OBSERVED: sight(0.0, observer),
-        "ILOS, observer": sight(0.02, observer),
+        "LOS": line_of_sight(0.0),
+        "ILOS": line_of_sight(0.12),
+        OBSERVED: line_of_sight(0.0, observer),
+        "ILOS, observer": line_of_sight(0.02, observer),
         "MPC": plan,
     }
 
@@ -161,118 +174,152 @@ def run(water: str, law: str, seed: int, duration: float = DURATION) -> Run:
     if water in WATERS:
         current = WATERS[water](chance, seed)
     else:
-        _, way, period = water.split()
+        _, direction, period = water.split()
         phase = chance.uniform(-math.pi, math.pi)
-        current = regular(0.08, float(period), DIRECTIONS[way], phase)
-    moving = replace(lc.load_water("paper-lateral"), current=current)
-    body = lc.build_plant(lc.load_robot("mamba-fin"), moving, offset_bandwidth=10.0)
-    trial = lc.run(body, laws()[law], duration, start=start)
+        current = regular(0.08, float(period), DIRECTIONS[direction], phase)
+    moving_water = replace(lc.load_water("paper-lateral"), current=current)
+    plant = lc.build_plant(lc.load_robot("mamba-fin"), moving_water, offset_bandwidth=10.0)
+    trial = lc.run(plant, laws()[law], duration, start=start)
     assert trial.period is not None
-    signals, late = trial.signals, trial.time >= 0.5 * duration
-    middle, error = following.mean_error(trial.time, signals["cross_track_error"], trial.period)
+    signals = trial.signals
+    is_late = trial.time >= 0.5 * duration
+    time, error = following.mean_error(trial.time, signals["cross_track_error"], trial.period)
+    distances = signals["along_track_distance"]
+    distance = float(distances[-1] - distances[is_late][0])
+    energy = math.inf
+    if distance > 0.0:
+        energy = float(np.ptp(trial.work[is_late, 0])) / distance
     missed, std = math.nan, math.nan
-    along = float(signals["along_track_distance"][-1] - signals["along_track_distance"][late][0])
     if "drift_x" in signals:
-        drift, sure = (
-            np.stack([signals[f"drift_{axis}{end}"][late] for axis in "xy"], axis=1)
-            for end in ("", "_std")
-        )
-        true = moving.velocity(trial.center_of_mass[late], trial.time[late])
-        missed, std = (
-            float(np.sqrt(np.mean(np.sum(one**2, axis=1)))) for one in (drift - true, sure)
-        )
+        drift = vectors_of(signals, "drift_{}")[is_late]
+        true_drift = moving_water.velocity(trial.center_of_mass[is_late], trial.time[is_late])
+        missed = root_mean_square(drift - true_drift)
+        std = root_mean_square(vectors_of(signals, "drift_{}_std")[is_late])
     return Run(
         water=water,
         law=law,
         seed=seed,
-        error=float(np.sqrt(np.mean(error[middle >= 0.5 * duration] ** 2))),
-        energy=float(np.ptp(trial.work[late, 0])) / along if along > 0.0 else math.inf,
-        saturated=float(np.mean(signals["is_saturated"][late])),
-        along=along / (0.5 * duration),
+        error=float(np.sqrt(np.mean(error[time >= 0.5 * duration] ** 2))),
+        energy=energy,
+        saturated=float(np.mean(signals["is_saturated"][is_late])),
+        along=distance / (0.5 * duration),
         missed=missed,
         std=std,
     )
 
 
-def cases() -> list[tuple[str, str, int]]:
+def vectors_of(signals: Any, name: str) -> np.ndarray:
+    """Vectors in rows, from signals of their components."""
+    return np.stack([signals[name.format(axis)] for axis in "xy"], axis=1)
+
+
+def root_mean_square(vectors: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(np.sum(vectors**2, axis=1))))
+
+
+class Case(NamedTuple):
+    """Arguments of `run`."""
+
+    water: str
+    law: str
+    seed: int
+
+
+def cases() -> list[Case]:
     """All runs; those in one water one after the other, for its kernel."""
-    waves = [f"waves {way} {period:g}" for period in PERIODS for way in DIRECTIONS]
-    return [(water, law, seed) for water in WATERS for law in laws() for seed in range(SEEDS)] + [
-        (water, OBSERVED, seed) for water in waves for seed in range(SEEDS // 2)
+    cases_of_waters = itertools.product(WATERS, laws(), range(SEEDS))
+    waves = [
+        f"waves {direction} {period:g}"
+        for period, direction in itertools.product(PERIODS, DIRECTIONS)
     ]
+    cases_of_waves = itertools.product(waves, [OBSERVED], range(SEEDS // 2))
+    return [Case(*case) for case in (*cases_of_waters, *cases_of_waves)]
 
 
 def stored() -> list[Run]:
     """The answer."""
     with STORED.open(encoding="utf-8") as file:
-        rows = csv.DictReader(file)
-        return [
-            Run(**{name: KINDS.get(name, float)(text) for name, text in row.items()})
-            for row in rows
-        ]
+        return [read_run(row) for row in csv.DictReader(file)]
 
 
-def interval(values: Iterable[float]) -> tuple[float, float]:
-    """Mean over seeds and half of its interval, 95 %."""
-    found = np.array([*values])
-    half = student.ppf(0.975, found.size - 1) * found.std(ddof=1) / math.sqrt(found.size)
-    return float(found.mean()), float(half)
+def read_run(row: dict[str, str]) -> Run:
+    values: dict[str, Any] = {}
+    for name, text in row.items():
+        kind = KINDS.get(name, float)
+        values[name] = kind(text)
+    return Run(**values)
 
 
-def shown(values: Iterable[float], scale: float, digits: int) -> str:
-    """Of a cell."""
-    mean, half = interval(values)
-    return f"{scale * mean:.{digits}f} ± {scale * half:.{digits}f}" if math.isfinite(mean) else "-"
+def describe_mean(values: Sequence[float], scale: float, digits: int) -> str:
+    """Mean over seeds and half of its interval, 95 %, in a unit of which there are `scale` in one of the values."""
+    mean = float(np.mean(values))
+    if not math.isfinite(mean):
+        return "-"
+    n = len(values)
+    half = float(student.ppf(0.975, n - 1) * np.std(values, ddof=1) / math.sqrt(n))
+    return f"{scale * mean:.{digits}f} ± {scale * half:.{digits}f}"
+
+
+HEADS = (
+    "water",
+    "law",
+    "held",
+    "error [mm]",
+    "J/m",
+    "m/s",
+    "saturated [%]",
+    "current missed by [mm/s]",
+    "it says",
+)
+HEADS_OF_WAVES = ("waves", "J/m", "against still water", "m/s", "error [mm]")
 
 
 def tables(runs: list[Run]) -> str:
     """As they stand in docs/theory/moving-water.md."""
-    heads = (
-        "water",
-        "law",
-        "held",
-        "error [mm]",
-        "J/m",
-        "m/s",
-        "saturated [%]",
-        "current missed by [mm/s]",
-        "it says",
-    )
-    lines = [f"| {' | '.join(heads)} |", "|---" * len(heads) + "|"]
+    lines = [f"| {' | '.join(HEADS)} |", "|---" * len(HEADS) + "|"]
     for water in WATERS:
-        for law in dict.fromkeys(one.law for one in runs if one.water == water):
-            these = [one for one in runs if (one.water, one.law) == (water, law)]
-            held = sum(one.error < HELD and one.along > 0.0 for one in these)
-            cells = [
-                water,
-                law,
-                f"{held} of {len(these)}",
-                shown((one.error for one in these), 1e3, 0),
-            ]
-            cells += [
-                shown((one.energy for one in these), 1.0, 1),
-                shown((one.along for one in these), 1.0, 3),
-            ]
-            cells += [shown((one.saturated for one in these), 100.0, 1)]
-            cells += [
-                shown((getattr(one, name) for one in these), 1e3, 0) for name in ("missed", "std")
-            ]
-            lines.append(f"| {' | '.join(cells)} |")
-    lines += [
-        "",
-        "| waves | J/m | against still water | m/s | error [mm] |",
-        "|---|---|---|---|---|",
-    ]
-    still = {one.seed: one for one in runs if (one.water, one.law) == ("still", OBSERVED)}
-    for water in dict.fromkeys(one.water for one in runs if one.water not in WATERS):
-        these = [one for one in runs if one.water == water]
-        more = [
-            100.0 * (one.energy / still[one.seed].energy - 1.0) for one in these
-        ]  # from the same start
-        cells = [f"{water.removeprefix('waves ')} s", shown((one.energy for one in these), 1.0, 1)]
-        cells += [f"{shown(more, 1.0, 1)} %", shown((one.along for one in these), 1.0, 3)]
-        lines.append(f"| {' | '.join([*cells, shown((one.error for one in these), 1e3, 0)])} |")
+        laws_in_water = dict.fromkeys(run.law for run in runs if run.water == water)
+        for law in laws_in_water:
+            runs_of_law = [run for run in runs if (run.water, run.law) == (water, law)]
+            lines.append(f"| {' | '.join(cells_of_law(runs_of_law))} |")
+    lines += ["", f"| {' | '.join(HEADS_OF_WAVES)} |", "|---" * len(HEADS_OF_WAVES) + "|"]
+    runs_in_still_water = {
+        run.seed: run for run in runs if (run.water, run.law) == ("still", OBSERVED)
+    }
+    for water in dict.fromkeys(run.water for run in runs if run.water not in WATERS):
+        runs_in_waves = [run for run in runs if run.water == water]
+        lines.append(f"| {' | '.join(cells_of_waves(runs_in_waves, runs_in_still_water))} |")
     return "\n".join(lines)
+
+
+def cells_of_law(runs: list[Run]) -> list[str]:
+    """Cells of a law in a water."""
+    n_held = sum(run.error < HELD and run.along > 0.0 for run in runs)
+    return [
+        runs[0].water,
+        runs[0].law,
+        f"{n_held} of {len(runs)}",
+        describe_mean([run.error for run in runs], 1e3, 0),
+        describe_mean([run.energy for run in runs], 1.0, 1),
+        describe_mean([run.along for run in runs], 1.0, 3),
+        describe_mean([run.saturated for run in runs], 100.0, 1),
+        describe_mean([run.missed for run in runs], 1e3, 0),
+        describe_mean([run.std for run in runs], 1e3, 0),
+    ]
+
+
+def cells_of_waves(runs: list[Run], runs_in_still_water: dict[int, Run]) -> list[str]:
+    """Cells of waves, beside the runs from the same starts in still water."""
+    more_energy = [
+        100.0 * (run.energy / runs_in_still_water[run.seed].energy - 1.0) for run in runs
+    ]
+    return [
+        f"{runs[0].water.removeprefix('waves ')} s",
+        describe_mean([run.energy for run in runs], 1.0, 1),
+        f"{describe_mean(more_energy, 1.0, 1)} %",
+        describe_mean([run.along for run in runs], 1.0, 3),
+        describe_mean([run.error for run in runs], 1e3, 0),
+    ]
 
 
 def figure(runs: list[Run], path: str) -> None:
@@ -280,19 +327,31 @@ def figure(runs: list[Run], path: str) -> None:
     from laticauda.show.figures import save_figure, style
 
     drawn = style.new_figure(style.DOUBLE_COLUMN, 0.45 * style.DOUBLE_COLUMN)
-    ax, names = drawn.subplots(), [*dict.fromkeys(one.law for one in runs)]
-    for k, law in enumerate(names):
-        chosen = [one for one in runs if one.law == law and one.water in WATERS]
-        place = [
-            [*WATERS].index(one.water) + 0.16 * (k - 2) + 0.004 * (one.seed - 9.5) for one in chosen
-        ]
-        ax.plot(place, [max(one.error, 1e-4) for one in chosen], ".", markersize=3, label=law)
+    ax = drawn.subplots()
+    waters = list(WATERS)
+    for k, law in enumerate(dict.fromkeys(run.law for run in runs)):
+        runs_of_law = [run for run in runs if run.law == law and run.water in WATERS]
+        places: list[float] = []
+        for run_of_law in runs_of_law:
+            beside_others = 0.16 * (k - 2) + 0.004 * (run_of_law.seed - 9.5)
+            places.append(waters.index(run_of_law.water) + beside_others)
+        errors = [max(run_of_law.error, 1e-4) for run_of_law in runs_of_law]
+        ax.plot(places, errors, ".", markersize=3, label=law)
     ax.axhline(HELD, color=style.INK, linewidth=0.6, linestyle=":")
     ax.set_yscale("log")
-    ax.set_xticks(range(len(WATERS)), list(WATERS))
+    ax.set_xticks(range(len(waters)), waters)
     style.style_axes(ax, xlabel="", ylabel="cross-track error [m]")
     style.add_legend(ax, loc="lower right", ncols=2)
     save_figure(drawn, path)
+
+
+def write_runs(runs: list[Run]) -> None:
+    with STORED.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(asdict(runs[0]))
+        for finished in runs:
+            values = asdict(finished).values()
+            writer.writerow([f"{x:.5g}" if isinstance(x, float) else x for x in values])
 
 
 def main() -> None:
@@ -302,15 +361,10 @@ def main() -> None:
     parser.add_argument("--figure")
     options = parser.parse_args()
     if options.run:
+        waters, names_of_laws, seeds = zip(*cases(), strict=True)
         with ProcessPoolExecutor(options.jobs) as pool:
-            found = list(pool.map(run, *zip(*cases(), strict=True), chunksize=10))
-        with STORED.open("w", encoding="utf-8", newline="") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(asdict(found[0]))
-            for one in found:
-                writer.writerow(
-                    [f"{x:.5g}" if isinstance(x, float) else x for x in asdict(one).values()]
-                )
+            runs = list(pool.map(run, waters, names_of_laws, seeds, chunksize=10))
+        write_runs(runs)
     print(tables(stored()))
     if options.figure:
         figure(stored(), options.figure)

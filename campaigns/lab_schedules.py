@@ -43,7 +43,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import laticauda as lc
 from laticauda.control import Following
@@ -88,13 +88,21 @@ DISK = ("disk_full", "disk_slow", "disk_torn")
 OURS = ("operator_key", "emergency_key", "sleeping_computer")
 KINDS = (*HARDWARE, *NETWORK, *CAMERAS, *CLOCKS, *DISK, *OURS)
 GAITS = {"lateral_undulation": 30.0, "eel_like": 40.0}
-RATE, STEP, LONGEST = 25.0, 0.02, 150.0  # of the loop [1/s]; of the devices; of an operation [s]
-FRAMES = 5  # of so many recordings, one keeps the raw frames too, which are most of it
-REACTION = 0.15  # modules hear of an event at the next tick, and their heartbeat comes ten times a second [s]
-ASTRAY = (
-    0.1  # by which the way of an accepted run may be off: noise, and frames late by up to 0.3 s [m]
-)
-CHUNK = 0.6  # what a torn file may lack besides what was cut off [s]
+"""Kinds of gaits, and their amplitudes [deg]."""
+RATE = 25.0
+"""Rate of the loop [1/s]."""
+STEP = 0.02
+"""Step of the devices [s]."""
+LONGEST = 150.0
+"""Duration of an operation at most [s]."""
+FRAMES = 5
+"""Of so many recordings, one keeps the raw frames too, which are most of it."""
+REACTION = 0.15
+"""Modules hear of an event at the next tick, and their heartbeat comes ten times a second [s]."""
+ASTRAY = 0.1
+"""By how much the way of an accepted run may be off: noise, and frames late by up to 0.3 s [m]."""
+SHORTEST = 0.05
+"""Duration to which a mishap is cut down at least [s]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -128,7 +136,7 @@ class Outcome:
     mishaps: tuple[Mishap, ...]
     """What went wrong."""
     wrong: list[str] = field(default_factory=list[str])
-    """What must not have been."""
+    """What must not have been: a class of faults, a colon, and what it was."""
     seen: tuple[str, ...] = ()
     """Events that the supervisor saw."""
     accepted: bool = False
@@ -141,13 +149,17 @@ class Outcome:
     @property
     def line(self) -> str:
         """The command that repeats it."""
-        drawn = schedule(random.Random(self.seed))[1]
-        only = (
-            ""
-            if self.mishaps == drawn
-            else f" --mishaps '{json.dumps([asdict(one) for one in self.mishaps])}'"
-        )
-        return f"python campaigns/lab_schedules.py --seed {self.seed}{only}"
+        command = f"python campaigns/lab_schedules.py --seed {self.seed}"
+        _, mishaps_of_seed = schedule(random.Random(self.seed))
+        if self.mishaps == mishaps_of_seed:
+            return command
+        mishaps = json.dumps([asdict(mishap) for mishap in self.mishaps])
+        return f"{command} --mishaps '{mishaps}'"
+
+    @property
+    def faults(self) -> set[str]:
+        """Classes of what was wrong."""
+        return {fault.split(":")[0] for fault in self.wrong}
 
 
 def schedule(chance: random.Random) -> tuple[Operation, tuple[Mishap, ...]]:
@@ -174,23 +186,29 @@ def schedule(chance: random.Random) -> tuple[Operation, tuple[Mishap, ...]]:
         calibration=Calibration(joint_zeros=True, idle_time=0.3, still_time=0.3, patience=8.0),
         limits=Limits(straighten_time=chance.choice([1.0, 2.0])),
     )
-    worst = 4.5 + operation.duration  # about when the run ends, and much happens at once
-    mishaps: list[Mishap] = []
-    for _ in range(chance.randint(1, 4)):
-        at = chance.choice(
-            [chance.uniform(0.0, worst + 3.0), chance.uniform(2.5, 4.5), chance.gauss(worst, 0.3)]
-        )
-        mishaps.append(
-            Mishap(
-                kind=chance.choice(KINDS),
-                time=round(max(at, 0.0), 3),
-                duration=chance.choice([0.05, 0.5, 3.0, 1e3]),
-                node=chance.randint(1, 8) if chance.random() < 0.8 else 0,
-                share=chance.choice([0.05, 0.5, 1.0]),
-                size=chance.choice([0.02, 0.15, 0.3]),
-            )
-        )
+    end_of_run = 4.5 + operation.duration  # about then much happens at once
+    n_mishaps = chance.randint(1, 4)
+    mishaps = [_draw_mishap(chance, end_of_run) for _ in range(n_mishaps)]
     return operation, tuple(mishaps)
+
+
+def _draw_mishap(chance: random.Random, end_of_run: float) -> Mishap:
+    """A mishap at any time, before the run, or about its end."""
+    time = chance.choice(
+        [
+            chance.uniform(0.0, end_of_run + 3.0),
+            chance.uniform(2.5, 4.5),
+            chance.gauss(end_of_run, 0.3),
+        ]
+    )
+    return Mishap(
+        kind=chance.choice(KINDS),
+        time=round(max(time, 0.0), 3),
+        duration=chance.choice([SHORTEST, 0.5, 3.0, 1e3]),
+        node=chance.randint(1, 8) if chance.random() < 0.8 else 0,
+        share=chance.choice([0.05, 0.5, 1.0]),
+        size=chance.choice([0.02, 0.15, 0.3]),
+    )
 
 
 # ---- what can go wrong ---------------------------------------------------------------------------
@@ -200,49 +218,65 @@ class World:
     """The mishaps, and the chance that decides about single frames."""
 
     def __init__(self, mishaps: Sequence[Mishap], seed: int) -> None:
-        self.mishaps, self.chance = mishaps, random.Random(seed + 1)
+        self.mishaps = mishaps
+        self.chance = random.Random(seed + 1)
 
-    def on(self, kind: str, now: float) -> Mishap | None:
+    def mishap_on(self, kind: str, now: float) -> Mishap | None:
         """The first mishap of a kind that is there."""
-        return next((one for one in self.mishaps if one.kind == kind and one.is_on(now)), None)
+        for mishap in self.mishaps:
+            if mishap.kind == kind and mishap.is_on(now):
+                return mishap
+        return None
 
     def hits(self, kind: str, now: float) -> bool:
         """Whether a mishap hits a single frame."""
-        one = self.on(kind, now)
-        return one is not None and self.chance.random() < one.share
+        mishap = self.mishap_on(kind, now)
+        return mishap is not None and self.chance.random() < mishap.share
 
-    def delayed(self, kind: str, now: float) -> float:
+    def delay_of_frame(self, kind: str, now: float) -> float:
         """By how much a frame is late [s]."""
-        one = self.on(kind, now)
-        return (
-            one.size * self.chance.random()
-            if one is not None and self.chance.random() < one.share
-            else 0.0
-        )
+        mishap = self.mishap_on(kind, now)
+        if mishap is None or self.chance.random() >= mishap.share:
+            return 0.0
+        return mishap.size * self.chance.random()
+
+
+class Delivery(NamedTuple):
+    """A frame on its way; those that are due first arrive first, then those that were sent first."""
+
+    due: float
+    """When it arrives [s]."""
+    number: int
+    """Of all that were sent."""
+    frame: Any
 
 
 class Queue:
     """Frames on their way, which arrive late, twice or never; late ones are overtaken."""
 
     def __init__(self, world: World, prefix: str) -> None:
-        self.world, self.prefix = world, prefix
-        self.waiting: list[tuple[float, int, Any]] = []
-        self.count = 0
+        self.world = world
+        self.prefix = prefix
+        self.deliveries: list[Delivery] = []
+        self.n_sent = 0
 
-    def passed(self, now: float, frames: Sequence[Any]) -> list[Any]:
-        """What arrives by now."""
-        world, prefix = self.world, self.prefix
+    def deliver(self, now: float, frames: Sequence[Any]) -> list[Any]:
+        """Send frames, and return what arrives by now."""
         for frame in frames:
-            for _ in range(2 if world.hits(f"{prefix}_doubled", now) else 1):
-                if not world.hits(f"{prefix}_lost", now):
-                    self.count += 1
-                    self.waiting.append(
-                        (now + world.delayed(f"{prefix}_late", now), self.count, frame)
-                    )
-        self.waiting.sort(key=lambda one: one[:2])
-        arrived = [frame for due, _, frame in self.waiting if due <= now]
-        self.waiting = [one for one in self.waiting if one[0] > now]
+            n_copies = 2 if self.world.hits(f"{self.prefix}_doubled", now) else 1
+            for _ in range(n_copies):
+                self._send(now, frame)
+        self.deliveries.sort(key=lambda delivery: (delivery.due, delivery.number))
+        arrived = [delivery.frame for delivery in self.deliveries if delivery.due <= now]
+        self.deliveries = [delivery for delivery in self.deliveries if delivery.due > now]
         return arrived
+
+    def _send(self, now: float, frame: Any) -> None:
+        if self.world.hits(f"{self.prefix}_lost", now):
+            return
+        self.n_sent += 1
+        due = now + self.world.delay_of_frame(f"{self.prefix}_late", now)
+        self.deliveries.append(Delivery(due, self.n_sent, frame))
 
 
 class Bus(TankBus):
@@ -250,11 +284,13 @@ class Bus(TankBus):
 
     def __init__(self, tank: Tank, clock: Any, world: World) -> None:
         super().__init__(tank, clock)
-        self.world, self.queue, self.digest = world, Queue(world, "bus"), hashlib.sha256()
+        self.world = world
+        self.queue = Queue(world, "bus")
+        self.digest = hashlib.sha256()
 
     def receive(self) -> tuple[Frame, ...]:
         now = self._clock.now()
-        arrived = self.queue.passed(now, super().receive())
+        arrived = self.queue.deliver(now, super().receive())
         return tuple(self._torn(frame._replace(time=now), now) for frame in arrived)
 
     def _torn(self, frame: Frame, now: float) -> Frame:
@@ -265,11 +301,13 @@ class Bus(TankBus):
 
     def send(self, messages: tuple[protocol.CanMessage, ...]) -> tuple[Frame, ...]:
         now = self._clock.now()
-        heard = [one for one in messages if not self.world.hits("sent_lost", now)]
-        for _ in range(2 if self.world.hits("sent_doubled", now) else 1):
+        heard = [message for message in messages if not self.world.hits("sent_lost", now)]
+        n_copies = 2 if self.world.hits("sent_doubled", now) else 1
+        for _ in range(n_copies):
             super().send(tuple(heard))
         frames = tuple(
-            Frame(now, *protocol.encode(one), is_ours=True, message=one) for one in messages
+            Frame(now, *protocol.encode(message), is_ours=True, message=message)
+            for message in messages
         )
         for frame in frames:
             self.digest.update(repr((frame.time, frame.identifier, frame.data)).encode())
@@ -281,20 +319,26 @@ class Cameras(TankCameras):
 
     def __init__(self, tank: Tank, clock: Any, world: World) -> None:
         super().__init__(tank, clock)
-        self.world, self.queue = world, Queue(world, "frames")
+        self.world = world
+        self.queue = Queue(world, "frames")
 
     def receive(self) -> tuple[tuple[float, Any], ...]:
         now = self._clock.now()
-        arrived = self.queue.passed(now, super().receive())
-        return tuple((now, replace(pose, time=self._stamped(pose.time))) for _, pose in arrived)
+        arrived = self.queue.deliver(now, super().receive())
+        return tuple((now, replace(pose, time=self._time_shown(pose.time))) for _, pose in arrived)
 
-    def _stamped(self, stamp: float) -> float:
-        for one in self.world.mishaps:
-            if one.kind == "clock_step" and stamp >= one.time:
-                stamp += one.size * 10.0 * (1.0 if one.node % 2 else -1.0)
-            if one.kind == "clock_drift" and stamp >= one.time:
-                stamp += one.size * 1e-3 * (stamp - one.time)
-        return stamp
+    def _time_shown(self, time: float) -> float:
+        """What the cameras' clock shows at a time [s]."""
+        shown = time
+        for mishap in self.world.mishaps:
+            if shown < mishap.time:
+                continue
+            if mishap.kind == "clock_step":
+                direction = 1.0 if mishap.node % 2 else -1.0
+                shown += mishap.size * 10.0 * direction
+            if mishap.kind == "clock_drift":
+                shown += mishap.size * 1e-3 * (shown - mishap.time)
+        return shown
 
 
 class Water(Tank):
@@ -306,12 +350,12 @@ class Water(Tank):
     @property
     def moving(self) -> list[int]:
         """Modules that hold or move; one without power is limp, whatever its memory held."""
-        dead = [
-            node.number
-            for node in self.nodes
-            if self.faults.on("dead_module", node.number) is not None
-        ]
-        return [node.number for node in self.nodes if node.is_on and node.number not in dead]
+        moving: list[int] = []
+        for node in self.nodes:
+            is_dead = self.faults.on("dead_module", node.number) is not None
+            if node.is_on and not is_dead:
+                moving.append(node.number)
+        return moving
 
     def advance_to(self, time: float) -> None:
         super().advance_to(time)
@@ -321,8 +365,20 @@ class Water(Tank):
             self.limp_at = self.time
 
     def answer(self, line: str) -> bytes:
-        said = super().answer(line)
-        return said[: len(said) // 2] if self.world.hits("meter_torn", self.time) else said
+        answer = super().answer(line)
+        if self.world.hits("meter_torn", self.time):
+            return answer[: len(answer) // 2]
+        return answer
+
+
+class Batch(NamedTuple):
+    """Entries on their way to the disk."""
+
+    due: float
+    """When the disk takes them [s]."""
+    time: float
+    """When they were handed over [s]."""
+    entries: Any
 
 
 class Disk(Sink):
@@ -330,25 +386,32 @@ class Disk(Sink):
 
     def __init__(self, recorder: OperationRecorder, world: World, *, frames: bool) -> None:
         super().__init__(recorder, frames=frames)
-        self.world, self.given, self.waiting = world, 0, list[tuple[float, float, Any]]()
+        self.world = world
+        self.n_given = 0
+        self.batches: list[Batch] = []
 
     def keep(self, now: float, entries: Any) -> None:
-        self.given += 0 if self.trouble else sum(not isinstance(one, Frame) for one in entries)
-        slow = self.world.on("disk_slow", now)
-        self.waiting.append((now + (slow.size * 10.0 if slow else 0.0), now, entries))
-        while self.waiting and self.waiting[0][0] <= now:
-            self._put()
+        if not self.trouble:
+            self.n_given += sum(not isinstance(entry, Frame) for entry in entries)
+        delay = 0.0
+        slowness = self.world.mishap_on("disk_slow", now)
+        if slowness is not None:
+            delay = slowness.size * 10.0
+        self.batches.append(Batch(now + delay, now, entries))
+        while self.batches and self.batches[0].due <= now:
+            self._store_batch()
 
-    def _put(self) -> None:
-        _, now, entries = self.waiting.pop(0)
-        if self.world.on("disk_full", now) and not self.trouble:
+    def _store_batch(self) -> None:
+        batch = self.batches.pop(0)
+        is_full = self.world.mishap_on("disk_full", batch.time) is not None
+        if is_full and not self.trouble:
             self.trouble = "no space left on device"
-        super().keep(now, entries)
+        super().keep(batch.time, batch.entries)
 
     def flush(self) -> None:
-        """The rest."""
-        while self.waiting:
-            self._put()
+        """Store the rest."""
+        while self.batches:
+            self._store_batch()
 
 
 # ---- one schedule --------------------------------------------------------------------------------
@@ -366,21 +429,17 @@ def run(seed: int, mishaps: Sequence[Mishap] | None = None, folder: Path | None 
         with tempfile.TemporaryDirectory() as name:
             return run(seed, mishaps, Path(name))
     chance = random.Random(seed)
-    operation, drawn = schedule(chance)
-    world = World(drawn if mishaps is None else tuple(mishaps), seed)
+    operation, mishaps_of_seed = schedule(chance)
+    if mishaps is None:
+        mishaps = mishaps_of_seed
+    world = World(tuple(mishaps), seed)
     outcome = Outcome(seed=seed, mishaps=tuple(world.mishaps))
     start = lc.Start(
         center_of_mass=(0.0, chance.uniform(-1.5, 1.5)), heading=chance.uniform(-0.5, 0.5)
     )
-    body = VirtualRobot(
-        operation.body(), lc.build_plant(operation.body(), operation.pool(), joints="servo"), start
-    )
-    settings = LabSettings(
-        seed=seed, step=STEP, nodes=NodeSettings(startup_time=0.2, calibration_time=0.2)
-    )
-    tank = Water(body, settings, [_fault(one) for one in world.mishaps if one.kind in HARDWARE])
-    tank.world = world
-    operator, path = Operator(operation=operation), folder / f"{seed}.mcap"
+    tank = _tank_of(operation, world, start, seed)
+    operator = Operator(operation=operation)
+    path = folder / f"{seed}.mcap"
     devices = TankDevices(tank)
     bus = devices.bus = Bus(tank, devices.clock, world)
     devices.mocap = Cameras(tank, devices.clock, world)
@@ -400,38 +459,51 @@ def run(seed: int, mishaps: Sequence[Mishap] | None = None, folder: Path | None 
     _judge_safety(outcome, operator, tank, last, log)
     _judge_record(outcome, disk, log, world)
     _judge_acceptance(outcome, operator, tank, last, log, world)
-    bus.digest.update(
-        repr(
-            (tank.time, tank.truth.center_of_mass.tolist(), tank.truth.joint_angle.tolist())
-        ).encode()
-    )
+    truth = tank.truth
+    end = (tank.time, truth.center_of_mass.tolist(), truth.joint_angle.tolist())
+    bus.digest.update(repr(end).encode())
     outcome.digest = bus.digest.hexdigest()
     return outcome
 
 
-def _fault(one: Mishap) -> Fault:
-    node = one.node if one.kind in AT_ONE else 0
+def _tank_of(operation: Operation, world: World, start: lc.Start, seed: int) -> Water:
+    """The tank with the operation's robot, and the mishaps that are faults of its hardware."""
+    robot = operation.body()
+    plant = lc.build_plant(robot, operation.pool(), joints="servo")
+    nodes = NodeSettings(startup_time=0.2, calibration_time=0.2)
+    settings = LabSettings(seed=seed, step=STEP, nodes=nodes)
+    faults = [_fault(mishap) for mishap in world.mishaps if mishap.kind in HARDWARE]
+    tank = Water(VirtualRobot(robot, plant, start), settings, faults)
+    tank.world = world
+    return tank
+
+
+def _fault(mishap: Mishap) -> Fault:
     return Fault(
-        kind=one.kind,
-        time=one.time,
-        duration=one.duration,
-        node=node,
-        share=one.share,
-        delay=2.0 * one.size,
+        kind=mishap.kind,
+        time=mishap.time,
+        duration=mishap.duration,
+        node=mishap.node if mishap.kind in AT_ONE else 0,
+        share=mishap.share,
+        delay=2.0 * mishap.size,
     )
 
 
 def _keys(world: World, tank: Tank) -> Callable[[float], Mapping[str, str]]:
-    slept = set[Mishap]()
+    """Keys that are pressed; a computer that is to sleep does so when it is asked for them."""
+    has_slept = set[Mishap]()
 
     def keys(now: float) -> dict[str, str]:
-        for one in world.mishaps:
-            if one.kind == "sleeping_computer" and now >= one.time and one not in slept:
-                slept.add(one)
-                tank.advance_to(now + 4.0 * one.size)
-        return {
-            kind: "schedule" for kind in ("operator_key", "emergency_key") if world.on(kind, now)
-        }
+        for mishap in world.mishaps:
+            is_sleep = mishap.kind == "sleeping_computer" and mishap not in has_slept
+            if is_sleep and now >= mishap.time:
+                has_slept.add(mishap)
+                tank.advance_to(now + 4.0 * mishap.size)
+        pressed: dict[str, str] = {}
+        for kind in ("operator_key", "emergency_key"):
+            if world.mishap_on(kind, now):
+                pressed[kind] = "schedule"
+        return pressed
 
     return keys
 
@@ -440,19 +512,23 @@ class Watch:
     """Looks at every tick whether a module moves that may not: what the operation says, and what is so."""
 
     def __init__(self, operator: Operator, tank: Water, outcome: Outcome) -> None:
-        self.operator, self.tank, self.outcome = operator, tank, outcome
+        self.operator = operator
+        self.tank = tank
+        self.outcome = outcome
 
     def __call__(self, state: OperatorState, outputs: Outputs) -> None:
         """One tick."""
-        supervisor, now = state.supervisor, self.tank.time
-        if supervisor.state in (
-            "idle",
-            "fault",
-        ) and now - supervisor.since > self.operator.supervisor.within("limp"):
-            if self.tank.moving and not any("unsafe" in one for one in self.outcome.wrong):
-                self.outcome.wrong.append(
-                    f"unsafe: module {self.tank.moving} moves at {now:.2f} s in {supervisor.state}"
-                )
+        supervisor = state.supervisor
+        if supervisor.state not in ("idle", "fault"):
+            return
+        now = self.tank.time
+        time_to_be_limp = self.operator.supervisor.within("limp")
+        if now - supervisor.since <= time_to_be_limp or "unsafe" in self.outcome.faults:
+            return
+        if self.tank.moving:
+            self.outcome.wrong.append(
+                f"unsafe: module {self.tank.moving} moves at {now:.2f} s in {supervisor.state}"
+            )
 
 
 def _judge_safety(
@@ -461,23 +537,24 @@ def _judge_safety(
     """Limp within the stated time of the first event that stops it, and for good."""
     for _ in range(100):
         tank.advance_to(tank.time + 0.02)
-    events = [one for one in log.of(Event) if one.data.get("event") in BY_EVENT]
-    outcome.seen = tuple(sorted({str(one.data["event"]) for one in events}))
-    if "program_error" in outcome.seen:
-        said = next(one.message for one in events if one.data["event"] == "program_error")
-        outcome.wrong.append(f"hang: the operator's program has an error: {said}")
+    events = [event for event in log.of(Event) if event.data.get("event") in BY_EVENT]
+    outcome.seen = tuple(sorted({str(event.data["event"]) for event in events}))
+    errors = [event.message for event in events if event.data["event"] == "program_error"]
+    if errors:
+        outcome.wrong.append(f"hang: the operator's program has an error: {errors[0]}")
     if tank.limp_at is None:
         outcome.wrong.append("unsafe: a module is not limp at the end")
         return
     stops = [
-        one for one in events if one.data["action"] != "finish" and one.data["before"] != "idle"
+        event
+        for event in events
+        if event.data["action"] != "finish" and event.data["before"] != "idle"
     ]
     if stops:
-        within = operator.supervisor.within(str(stops[0].data["action"])) + REACTION
-        if tank.limp_at - stops[0].time > within:
-            outcome.wrong.append(
-                f"unsafe: limp {tank.limp_at - stops[0].time:.2f} s after {stops[0].data['event']}"
-            )
+        first = stops[0]
+        time_taken = tank.limp_at - first.time
+        if time_taken > operator.supervisor.within(str(first.data["action"])) + REACTION:
+            outcome.wrong.append(f"unsafe: limp {time_taken:.2f} s after {first.data['event']}")
     if last.supervisor.state not in ("idle", "fault"):
         outcome.wrong.append(f"unsafe: the supervisor is {last.supervisor.state} at the end")
 
@@ -486,22 +563,21 @@ def _judge_record(outcome: Outcome, disk: Disk, log: OperationLog, world: World)
     """All that was handed over is in the file, as far as the disk had room; of a torn file, what is before its end."""
     if log.lost:
         outcome.wrong.append(f"lost: {log.lost}")
-    if len(log.entries) != disk.given and not disk.trouble:
-        outcome.wrong.append(f"lost: {len(log.entries)} entries of {disk.given}")
-    torn = next((one for one in world.mishaps if one.kind == "disk_torn"), None)
-    if torn is None or not log.entries:
+    if len(log.entries) != disk.n_given and not disk.trouble:
+        outcome.wrong.append(f"lost: {len(log.entries)} entries of {disk.n_given}")
+    tears = [mishap for mishap in world.mishaps if mishap.kind == "disk_torn"]
+    if not tears or not log.entries:
         return
-    path, whole = log.path, log.path.read_bytes()
-    path.with_suffix(".torn.mcap").write_bytes(
-        whole[: int(len(whole) * torn.share * world.chance.random())]
-    )
+    whole = log.path.read_bytes()
+    size = int(len(whole) * tears[0].share * world.chance.random())
+    torn_path = log.path.with_suffix(".torn.mcap")
+    torn_path.write_bytes(whole[:size])
     try:
-        left = read_operation(path.with_suffix(".torn.mcap"))
+        torn_log = read_operation(torn_path)
     except LaticaudaError:
         return  # not even its header is there; that is said
-    if [repr(one) for one in left.entries] != [
-        repr(one) for one in log.entries[: len(left.entries)]
-    ]:
+    beginning = log.entries[: len(torn_log.entries)]
+    if list(map(repr, torn_log.entries)) != list(map(repr, beginning)):
         outcome.wrong.append("lost: a torn file is not the beginning of the whole one")
 
 
@@ -514,59 +590,72 @@ def _judge_acceptance(
     world: World,
 ) -> None:
     """What is accepted ended by itself, is on disk, was seen, and went where the file says."""
-    how = operator.operation
-    verdict = verdict_of(
-        log, how.acceptance, lc.build_plant(how.body(), how.pool(), joints="servo")
-    )
+    operation = operator.operation
+    plant = lc.build_plant(operation.body(), operation.pool(), joints="servo")
+    verdict = verdict_of(log, operation.acceptance, plant)
     result = result_of(operator, last, log.path, None, verdict)
     outcome.accepted = result.accepted
     if not result.accepted or last.begun is None or last.ended is None:
         return
-    trial, limits = result.trial, operator.operation.limits
-    for one in world.mishaps:
-        inside = min(one.time + one.duration, last.ended) - max(one.time, last.begun)
-        patience = {"operator_key": 0.0, "emergency_key": 0.0, "body_lost": limits.mocap_timeout}
-        patience |= {"mocap_silent": limits.mocap_timeout, "disk_full": 0.0}
-        if inside > patience.get(one.kind, math.inf) + 2.0 / RATE:
-            outcome.wrong.append(f"accepted: in spite of {one.kind} for {inside:.2f} s of the run")
+    patience = {
+        "operator_key": 0.0,
+        "emergency_key": 0.0,
+        "disk_full": 0.0,
+        "body_lost": operation.limits.mocap_timeout,
+        "mocap_silent": operation.limits.mocap_timeout,
+    }
+    for mishap in world.mishaps:
+        begin = max(mishap.time, last.begun)
+        end = min(mishap.time + mishap.duration, last.ended)
+        inside = end - begin
+        if inside > patience.get(mishap.kind, math.inf) + 2.0 / RATE:
+            outcome.wrong.append(
+                f"accepted: in spite of {mishap.kind} for {inside:.2f} s of the run"
+            )
+    trial = result.trial
     if trial is None:
         outcome.wrong.append("accepted: without a trial")
         return
+    way = trial.center_of_mass[-1] - trial.center_of_mass[0]
     truth = tank.body.trial("")
-    said, place = (
-        trial.center_of_mass,
-        [_at(truth, last.begun), _at(truth, last.begun + trial.duration)],
-    )
-    off = math.dist(said[-1] - said[0], place[1] - place[0])
-    if off > ASTRAY:
-        outcome.wrong.append(f"accepted: its way is off by {off:.3f} m")
+    true_end = _position_at(truth, last.begun + trial.duration)
+    true_way = true_end - _position_at(truth, last.begun)
+    error = math.dist(way, true_way)
+    if error > ASTRAY:
+        outcome.wrong.append(f"accepted: its way is off by {error:.3f} m")
 
 
-def _at(truth: lc.Trial, moment: float) -> Any:
-    return truth.center_of_mass[min(int(truth.time.searchsorted(moment)), truth.time.size - 1)]
+def _position_at(truth: lc.Trial, time: float) -> Any:
+    sample = int(truth.time.searchsorted(time))
+    return truth.center_of_mass[min(sample, truth.time.size - 1)]
 
 
-def shrunk(found: Outcome) -> Outcome:
+def shrink(outcome: Outcome) -> Outcome:
     """The same fault by as few mishaps as it takes, each as short as it may be."""
-    classes = {one.split(":")[0] for one in found.wrong}
+    smaller = _smaller_at_fault(outcome)
+    while smaller is not None:
+        outcome = smaller
+        smaller = _smaller_at_fault(outcome)
+    return outcome
 
-    def is_at_fault(mishaps: Sequence[Mishap]) -> Outcome | None:
-        again = run(found.seed, mishaps)
-        return again if classes & {one.split(":")[0] for one in again.wrong} else None
 
-    def simpler(mishaps: tuple[Mishap, ...]) -> Iterator[tuple[Mishap, ...]]:
-        for k, one in enumerate(mishaps):
-            yield (*mishaps[:k], *mishaps[k + 1 :])
-            if one.duration > 0.05:
-                yield (
-                    *mishaps[:k],
-                    replace(one, duration=max(0.05, min(one.duration, 10.0) / 4.0)),
-                    *mishaps[k + 1 :],
-                )
+def _smaller_at_fault(outcome: Outcome) -> Outcome | None:
+    """The first outcome of smaller mishaps that has one of the same faults."""
+    for mishaps in _smaller_mishaps(outcome.mishaps):
+        smaller = run(outcome.seed, mishaps)
+        if smaller.faults & outcome.faults:
+            return smaller
+    return None
 
-    while (less := next(filter(None, map(is_at_fault, simpler(found.mishaps))), None)) is not None:
-        found = less
-    return found
+
+def _smaller_mishaps(mishaps: tuple[Mishap, ...]) -> Iterator[tuple[Mishap, ...]]:
+    """All but one of the mishaps, or one of them shorter."""
+    for k, mishap in enumerate(mishaps):
+        before, after = mishaps[:k], mishaps[k + 1 :]
+        yield (*before, *after)
+        if mishap.duration > SHORTEST:
+            duration = max(SHORTEST, min(mishap.duration, 10.0) / 4.0)
+            yield (*before, replace(mishap, duration=duration), *after)
 
 
 # ---- many ----------------------------------------------------------------------------------------
@@ -601,51 +690,66 @@ def main() -> int:
     parser.add_argument("--mishaps", help="with other mishaps, JSON")
     options = parser.parse_args()
     if options.seed is not None:
-        given = (
-            None
-            if options.mishaps is None
-            else [Mishap(**one) for one in json.loads(options.mishaps)]
-        )
-        one = run(options.seed, given)
-        print(
-            *one.mishaps,
-            f"events {one.seen}, accepted {one.accepted}, digest {one.digest[:16]}",
-            *one.wrong,
-            sep="\n",
-        )
-        return bool(one.wrong)
-    kept, end, n_wrong = stored(), time.monotonic() + 60.0 * options.minutes, 0
-    seeds = range(
-        kept["next_seed"],
-        kept["next_seed"] + (options.schedules if options.hours is None else 10**9),
+        return run_one(options.seed, options.mishaps)
+    return run_many(options)
+
+
+def run_one(seed: int, mishaps: str | None) -> int:
+    """Print what happens in the schedule of a seed, with other mishaps if they are given [JSON]."""
+    other_mishaps = None
+    if mishaps is not None:
+        other_mishaps = [Mishap(**fields) for fields in json.loads(mishaps)]
+    outcome = run(seed, other_mishaps)
+    print(
+        *outcome.mishaps,
+        f"events {outcome.seen}, accepted {outcome.accepted}, digest {outcome.digest[:16]}",
+        *outcome.wrong,
+        sep="\n",
     )
+    return bool(outcome.wrong)
+
+
+def run_many(options: argparse.Namespace) -> int:
+    """Go on where the last call ended, and store how far it went after every schedule."""
+    totals = stored()
+    pause_at = time.monotonic() + 60.0 * options.minutes
+    n_schedules = options.schedules
+    hours = math.inf
+    if options.hours is not None:
+        n_schedules = 10**9
+        hours = options.hours or math.inf
+    first = totals["next_seed"]
+    is_any_wrong = False
     with multiprocessing.Pool(options.workers) as pool:
-        for one in pool.imap(run, seeds):
-            n_wrong += _counted(kept, one)
-            if one.wrong:
-                least = shrunk(one)
-                print(
-                    f"seed {one.seed}: {'; '.join(one.wrong)}\n    {least.line}\n    {'; '.join(least.wrong)}",
-                    flush=True,
-                )
-            STORED.write_text(json.dumps(kept, indent=1, sort_keys=True) + "\n")
-            if time.monotonic() > end or kept["hours"] >= (options.hours or math.inf):
+        for outcome in pool.imap(run, range(first, first + n_schedules)):
+            _add_to_totals(totals, outcome)
+            if outcome.wrong:
+                is_any_wrong = True
+                _print_fault(outcome)
+            STORED.write_text(json.dumps(totals, indent=1, sort_keys=True) + "\n")
+            if time.monotonic() > pause_at or totals["hours"] >= hours:
                 pool.terminate()
                 break
-    print({name: one for name, one in kept.items() if name not in ("tried", "seen")})
-    return bool(n_wrong)
+    print({name: total for name, total in totals.items() if name not in ("tried", "seen")})
+    return is_any_wrong
 
 
-def _counted(kept: dict[str, Any], one: Outcome) -> int:
-    kept["next_seed"], kept["schedules"] = one.seed + 1, kept["schedules"] + 1
-    kept["hours"] = round(kept["hours"] + one.simulated / 3600.0, 5)
-    kept["accepted"] += one.accepted
-    kept["violations"] += bool(one.wrong)
-    for name, more in (("tried", {mishap.kind for mishap in one.mishaps}), ("seen", set(one.seen))):
-        kept[name] = {
-            word: kept[name].get(word, 0) + (word in more) for word in sorted({*kept[name], *more})
-        }
-    return bool(one.wrong)
+def _print_fault(outcome: Outcome) -> None:
+    least = shrink(outcome)
+    print(f"seed {outcome.seed}: {'; '.join(outcome.wrong)}")
+    print(f"    {least.line}\n    {'; '.join(least.wrong)}", flush=True)
+
+
+def _add_to_totals(totals: dict[str, Any], outcome: Outcome) -> None:
+    totals["next_seed"] = outcome.seed + 1
+    totals["schedules"] += 1
+    totals["hours"] = round(totals["hours"] + outcome.simulated / 3600.0, 5)
+    totals["accepted"] += outcome.accepted
+    totals["violations"] += bool(outcome.wrong)
+    for mishap_kind in {mishap.kind for mishap in outcome.mishaps}:
+        totals["tried"][mishap_kind] = totals["tried"].get(mishap_kind, 0) + 1
+    for event in set(outcome.seen):
+        totals["seen"][event] = totals["seen"].get(event, 0) + 1
 
 
 if __name__ == "__main__":

@@ -21,6 +21,7 @@ import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
 from statistics import median
+from typing import NamedTuple
 
 from _rows import gone_on
 
@@ -34,12 +35,23 @@ from laticauda.tank.operate.procedure.operator import Operator
 from laticauda.tank.operate.settings import Calibration, CaptureVolume, Connection, Operation
 from laticauda.tank.operate.tank_devices import TankDevices
 
-FAULTS = {"lost fin": "lost_fin", "jammed joint": "stuck_servo", "weak joint, half": "weak_servo"}
-FAULTS["moving water, 3 cm/s"] = "moving_water"
+FAULTS = {
+    "lost fin": "lost_fin",
+    "jammed joint": "stuck_servo",
+    "weak joint, half": "weak_servo",
+    "moving water, 3 cm/s": "moving_water",
+}
+"""Kinds of the tank's faults, by their titles."""
 SIZES = {"weak_servo": {"share": 0.5}, "moving_water": {"speed": 0.03}}
+"""Arguments of faults."""
 NAMES = {"lost_fin": "fin", "stuck_servo": "stuck", "weak_servo": "weak", "moving_water": "water"}
-DURATION, AT = 61.0, (20.0, 40.0, 60.0)  # of a run, and when it is asked what is known [s]
+"""A word that names each fault rightly."""
+DURATION = 61.0
+"""Duration of a run [s]."""
+TIMES = (20.0, 40.0, 60.0)
+"""Times at which it is asked what is known [s]."""
 LEARNT = ("normal_drag", "tangential_friction", "current_x", "current_y")
+"""Numbers that are learnt."""
 FILE = Path(__file__).with_suffix(".csv")
 
 
@@ -48,27 +60,40 @@ class Row:
     """One run."""
 
     fault: str
+    """Its title; "" for a good run."""
     seed: int
     what: str
-    off: str  # of good runs: what is learnt less the truth, by its standard deviation, at each time
-    speed: float  # of the next minute, as it is foreseen: relative error
-    named: str  # the first thing that was named
-    after: float  # the fault [s]; of good runs: after the beginning; nan: nothing was
+    """Robot and gait."""
+    off: str
+    """Of good runs: what is learnt less the truth, by its standard deviation, at each time."""
+    speed: float
+    """Relative error of the speed that is foreseen for the next minute."""
+    named: str
+    """The first thing that was named."""
+    after: float
+    """When, after the fault; of good runs: after the beginning; nan: nothing was named [s]."""
 
 
-class Heard:
-    """What a learner makes of the entries of a recording."""
+class Follower:
+    """A sink of entries of a recording, which hands them to a learner."""
 
     trouble = ""
 
     def __init__(self, learner: Learner) -> None:
-        self.learner, self.state, self.learned = learner, learner.init(), list[Learned]()
+        self.learner = learner
+        self.state = learner.init()
+        self.learned: list[Learned] = []
 
-    def keep(self, now: float, found) -> None:
-        for entry in found:
+    def keep(self, now: float, entries) -> None:
+        for entry in entries:
             if isinstance(entry, Sample):
                 self.state = self.learner.step(self.state, entry)
-                self.learned += [] if self.state.learned is None else [self.state.learned]
+                if self.state.learned is not None:
+                    self.learned.append(self.state.learned)
+
+    def known_at(self, time: float) -> Learned:
+        """What was known at a time [s]."""
+        return [learned for learned in self.learned if learned.time <= time][-1]
 
 
 def operation(chance: random.Random, fault: str) -> Operation:
@@ -99,103 +124,125 @@ def operation(chance: random.Random, fault: str) -> Operation:
     )
 
 
+class Injection:
+    """Looks at every tick whether the run has begun, and then has the tank's fault come later."""
+
+    def __init__(self, tank: Tank, kind: str, chance: random.Random) -> None:
+        self.tank = tank
+        self.kind = kind
+        self.chance = chance
+        self.delay = chance.uniform(25.0, 29.0)
+        """Time from the beginning to the fault [s]."""
+        self.node = chance.randint(2, 6)
+        self.begun_at: float | None = None
+
+    def __call__(self, state, outputs) -> None:
+        if state.begun is None or self.begun_at is not None:
+            return
+        self.begun_at = state.begun
+        if self.kind:
+            self.tank.inject(self._fault(state.begun + self.delay))
+
+    def _fault(self, time: float) -> Fault:
+        towards = 0.0
+        if self.kind != "stuck_servo":
+            towards = self.chance.uniform(0.0, 2.0 * math.pi)
+        arguments = dict(SIZES.get(self.kind, {}))
+        if self.kind in ON_NODES:
+            arguments["node"] = self.node
+        return Fault(kind=self.kind, time=time, towards=towards, **arguments)
+
+
 def run_one(fault: str, seed: int) -> Row:
     """One operation, with a fault or good."""
     chance = random.Random(f"{fault} {seed}")
-    what, unknown = operation(chance, fault), Learning().unknown
-    robot, guess = what.body(), what.pool()
+    operated = operation(chance, fault)
+    robot, guess = operated.body(), operated.pool()
     current = (chance.gauss(0.0, 0.004), chance.gauss(0.0, 0.004))
-    share = {name: math.exp(chance.gauss(0.0, 0.2)) for name in unknown}
-    true = replace(
-        guess, current=current, **{name: getattr(guess, name) * one for name, one in share.items()}
-    )
-    body = VirtualRobot(robot, lc.build_plant(robot, true, joints="servo"))
+    coefficients = {
+        name: getattr(guess, name) * math.exp(chance.gauss(0.0, 0.2)) for name in Learning().unknown
+    }
+    true_water = replace(guess, current=current, **coefficients)
+    body = VirtualRobot(robot, lc.build_plant(robot, true_water, joints="servo"))
     tank = Tank(body, LabSettings(seed=seed, step=0.02))
-    heard = Heard(
-        Learner(
-            robot=robot,
-            plant=lc.build_plant(robot, guess, joints="servo"),
-            mount=what.calibration.mount,
-        )
-    )
-    begun, wait, node = list[float](), chance.uniform(25.0, 29.0), chance.randint(2, 6)
-
-    def show(state, outputs) -> None:
-        if state.begun is None or begun:
-            return
-        begun.append(state.begun)
-        kind = FAULTS.get(fault, "")
-        if kind:
-            towards = 0.0 if kind == "stuck_servo" else chance.uniform(0.0, 2.0 * math.pi)
-            where = {"node": node} if kind in ON_NODES else {}
-            of = SIZES.get(kind, {})
-            tank.inject(Fault(kind=kind, time=state.begun + wait, towards=towards, **where, **of))
-
-    operator = Operator(operation=what, clears=False, check_only=False, twin=None)
+    plant = lc.build_plant(robot, guess, joints="servo")
+    learner = Learner(robot=robot, plant=plant, mount=operated.calibration.mount)
+    follower = Follower(learner)
+    injection = Injection(tank, FAULTS.get(fault, ""), chance)
     state, _ = run_loop(
-        operator,
+        Operator(operation=operated, clears=False, check_only=False, twin=None),
         TankDevices(tank, has_meter=True),
         keys=lambda _: {},
-        sink=heard,
-        show=show,
+        sink=follower,
+        show=injection,
         longest=DURATION + 60.0,
     )
-    words = f"{what.robot} {what.gait.amplitude:.2f} {what.gait.frequency:.2f}"
-    if state.begun is None:
-        return Row(fault, seed, words, "", math.nan, f"never began: {state.failure}", math.nan)
-    since = begun[0] + (wait if fault else 0.0)
-    named = [
-        (one.time - since, one.changes[0])
-        for one in heard.learned
-        if one.changes and one.time > since
-    ]
-    truth = {name: getattr(true, name) for name in unknown}
-    truth |= dict(zip(("current_x", "current_y"), current, strict=True))
-    off = [_off(known_at(heard.learned, begun[0] + at), truth) for at in AT] if not fault else []
-    after, name = named[0] if named else (math.nan, "")
+    gait = operated.gait
+    what = f"{operated.robot} {gait.amplitude:.2f} {gait.frequency:.2f}"
+    if injection.begun_at is None:
+        return Row(fault, seed, what, "", math.nan, f"never began: {state.failure}", math.nan)
+    errors = ""
+    since = injection.begun_at + injection.delay
+    if not fault:
+        since = injection.begun_at
+        truth = {**coefficients, "current_x": current[0], "current_y": current[1]}
+        known = [follower.known_at(injection.begun_at + time) for time in TIMES]
+        errors = "; ".join(describe_errors(learned, truth) for learned in known)
+    change = first_change(follower.learned, since)
     return Row(
-        fault, seed, words, "; ".join(off), foreseen(what, heard, true), name, round(after, 2)
+        fault=fault,
+        seed=seed,
+        what=what,
+        off=errors,
+        speed=error_of_speed(operated, follower.learned[-1], true_water),
+        named=change.name,
+        after=round(change.delay, 2),
     )
 
 
-def known_at(learned: list[Learned], time: float) -> Learned:
-    """What was known at a moment [s]."""
-    return [one for one in learned if one.time <= time][-1]
+class Change(NamedTuple):
+    """What a learner named first."""
+
+    name: str
+    """"" if nothing was."""
+    delay: float
+    """When [s]."""
 
 
-def _off(known: Learned, truth: dict[str, float]) -> str:
-    return " ".join(
-        f"{name}={(known.value[name] - truth[name]) / known.deviation[name]:.2f}" for name in LEARNT
-    )
+def first_change(learned: list[Learned], since: float) -> Change:
+    """The first change that was named since a time [s]."""
+    for known in learned:
+        if known.changes and known.time > since:
+            return Change(known.changes[0], known.time - since)
+    return Change("", math.nan)
 
 
-def foreseen(what: Operation, heard: Heard, true: lc.Water) -> float:
+def describe_errors(learned: Learned, truth: dict[str, float]) -> str:
+    errors: list[str] = []
+    for name in LEARNT:
+        error = (learned.value[name] - truth[name]) / learned.deviation[name]
+        errors.append(f"{name}={error:.2f}")
+    return " ".join(errors)
+
+
+def error_of_speed(operated: Operation, learned: Learned, true_water: lc.Water) -> float:
     """The relative error of the speed through the water in the next minute, if it swims as the twin has learnt."""
-    robot, known = what.body(), heard.learned[-1].value
-    water = replace(true.still, **{name: known[name] for name in Learning().unknown})
-    speeds = [
-        lc.swim(robot, what.gait, environment=one, joints="servo", duration=60.0).forward_velocity
-        for one in (true.still, water)
-    ]
-    return round(speeds[1] / speeds[0] - 1.0, 4)
+    robot = operated.body()
+    still = true_water.still
+    learnt_water = replace(still, **{name: learned.value[name] for name in Learning().unknown})
+
+    def speed_in(water: lc.Water) -> float:
+        trial = lc.swim(robot, operated.gait, environment=water, joints="servo", duration=60.0)
+        return trial.forward_velocity
+
+    return round(speed_in(learnt_water) / speed_in(still) - 1.0, 4)
 
 
 def table(rows: list[Row]) -> str:
     """Coverage, foreseen speeds, false alarms; what was named, and when."""
     good = [row for row in rows if not row.fault and row.off]
     lines = [f"good runs: {len(good)}, {len(good) * DURATION / 3600.0:.2f} h"]
-    every: list[bool] = []
-    for i, at in enumerate(AT):
-        found = [dict(part.split("=") for part in row.off.split("; ")[i].split()) for row in good]
-        for name in LEARNT:
-            within = [abs(float(one[name])) < 1.96 for one in found]
-            every += within
-            lines.append(
-                f"    {name:<20} after {at:.0f} s: {100 * sum(within) / max(len(within), 1):>4.0f} % within 95 %"
-            )
-    lines.append(
-        f"    all {len(every)} intervals: {100 * sum(every) / max(len(every), 1):.1f} % hold the truth"
-    )
+    lines += lines_of_coverage(good)
     errors = sorted(100.0 * abs(row.speed) for row in good)
     if errors:
         lines.append(
@@ -203,16 +250,51 @@ def table(rows: list[Row]) -> str:
         )
     alarms = [row for row in good if row.named]
     lines.append(f"    named although nothing happened: {len(alarms)}")
-    for fault, kind in FAULTS.items():
-        found = [row for row in rows if row.fault == fault]
-        right = sorted(row.after for row in found if NAMES[kind] in row.named.lower())
-        other = [row for row in found if row.named and NAMES[kind] not in row.named.lower()]
-        if found:
-            when = f"{median(right):.1f} s (median), {right[-1]:.1f} s at most" if right else "-"
-            lines.append(
-                f"{fault:<22}{len(found):>4} runs, named right {len(right):>3}, otherwise {len(other):>3}; after {when}"
-            )
+    for fault in FAULTS:
+        rows_of_fault = [row for row in rows if row.fault == fault]
+        if rows_of_fault:
+            lines.append(line_of_fault(rows_of_fault))
     return "\n".join(lines)
+
+
+def lines_of_coverage(good: list[Row]) -> list[str]:
+    """How often intervals hold the truth, at each time and in all."""
+    lines: list[str] = []
+    all_held: list[bool] = []
+    for i, time in enumerate(TIMES):
+        errors_of_runs = [read_errors(row.off.split("; ")[i]) for row in good]
+        for name in LEARNT:
+            held = [abs(errors[name]) < 1.96 for errors in errors_of_runs]
+            all_held += held
+            share = 100 * sum(held) / max(len(held), 1)
+            lines.append(f"    {name:<20} after {time:.0f} s: {share:>4.0f} % within 95 %")
+    share = 100 * sum(all_held) / max(len(all_held), 1)
+    lines.append(f"    all {len(all_held)} intervals: {share:.1f} % hold the truth")
+    return lines
+
+
+def read_errors(text: str) -> dict[str, float]:
+    """Errors by name, as `describe_errors` writes them."""
+    errors: dict[str, float] = {}
+    for part in text.split():
+        name, error = part.split("=")
+        errors[name] = float(error)
+    return errors
+
+
+def line_of_fault(rows: list[Row]) -> str:
+    """How often a fault was named, rightly or otherwise, and when."""
+    fault = rows[0].fault
+    name = NAMES[FAULTS[fault]]
+    delays = sorted(row.after for row in rows if name in row.named.lower())
+    n_other = sum(bool(row.named) and name not in row.named.lower() for row in rows)
+    when = "-"
+    if delays:
+        when = f"{median(delays):.1f} s (median), {delays[-1]:.1f} s at most"
+    return (
+        f"{fault:<22}{len(rows):>4} runs, named right {len(delays):>3}, "
+        f"otherwise {n_other:>3}; after {when}"
+    )
 
 
 def main() -> int:

@@ -50,9 +50,10 @@ import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import pytest
 from _mutations import Mutant, mutants_of
@@ -64,9 +65,15 @@ STORED = Path(__file__).with_suffix(".csv")
 ALIVE = Path(__file__).with_name("mutants_alive.csv")
 PROGRESS = ROOT / "build" / "mutants.jsonl"
 ENOUGH = 0.85
-PATIENCE, AT_LEAST = 3.0, 10.0  # times what sound code takes; [s], of this process's own
-IMPORTING = 20.0  # what it may take until the tests begin [s]
-SLOWLY = 6.0  # a computer that is busy does as much in so many times the time
+"""Share of mutants that the tests are to notice."""
+PATIENCE = 3.0
+"""How many times as long as sound code a mutant may take."""
+AT_LEAST = 10.0
+"""Time that it may take in any case, of this process's own [s]."""
+IMPORTING = 20.0
+"""Time that it may take until the tests begin [s]."""
+SLOWLY = 6.0
+"""A computer that is busy does as much in so many times the time."""
 BEFORE = (
     "numpy",
     "numba",
@@ -174,35 +181,35 @@ class Work:
 
     def answer(self, outcome: str, seconds: float) -> str:
         """As a line of the progress."""
-        one = self.mutant
-        told = {
+        row = {
+            "digest": self.digest,
             "file": self.file,
-            "function": one.function,
-            "line": one.line,
-            "before": one.before,
-            "after": one.after,
+            "function": self.mutant.function,
+            "line": self.mutant.line,
+            "before": self.mutant.before,
+            "after": self.mutant.after,
+            "outcome": outcome,
+            "seconds": round(seconds, 2),
         }
-        return (
-            json.dumps(
-                {"digest": self.digest, **told, "outcome": outcome, "seconds": round(seconds, 2)}
-            )
-            + "\n"
-        )
+        return json.dumps(row) + "\n"
 
 
 def work_in(root: Path, file: str) -> list[Work]:
     """All mutants of a file."""
-    text = (root / file).read_text(encoding="utf-8")
-    return [
-        Work(file, hashlib.sha256(f"{file}\n{one.text}".encode()).hexdigest()[:16], one)
-        for one in mutants_of(text)
-    ]
+    works: list[Work] = []
+    for mutant in mutants_of((root / file).read_text(encoding="utf-8")):
+        digest = hashlib.sha256(f"{file}\n{mutant.text}".encode()).hexdigest()
+        works.append(Work(file, digest[:16], mutant))
+    return works
 
 
 # ---- in forks ------------------------------------------------------------------------------------
 
+FunctionKey = tuple[str, str, int]
+"""File, name and first line of a function."""
 
-class Asked:
+
+class FaultyRuns:
     """A plugin of pytest: which tests are asked, in which order; with mutants of functions, a fork for each of them."""
 
     def __init__(
@@ -212,10 +219,15 @@ class Asked:
         works: Sequence[Work],
         tell: Callable[[Work, str, float], None],
     ) -> None:
-        self._root, self._target, self._works, self._tell = root, target, works, tell
+        self._root = root
+        self._target = target
+        self._works = works
+        self._tell = tell
         self.seconds: dict[str, float] = {}
+        """What every test takes with sound code [s]."""
         self.at_import: list[Work] = []
-        self._used: set[tuple[str, str, int]] = set()
+        """Mutants that have to be there when the file is imported."""
+        self._used: set[FunctionKey] = set()
 
     def pytest_collection(self) -> None:
         with contextlib.suppress(ImportError):
@@ -240,44 +252,52 @@ class Asked:
 
     def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
         sys.setprofile(None)
-        items[:] = [
-            item for item in items if not any(word in item.nodeid for word in self._target.left_out)
-        ]
+
+        def is_asked(item: pytest.Item) -> bool:
+            return not any(word in item.nodeid for word in self._target.left_out)
+
+        items[:] = filter(is_asked, items)
         items.sort(key=lambda item: self.seconds.get(item.nodeid, math.inf))
 
     def pytest_runtestloop(self, session: pytest.Session) -> bool:
         self._target.warm(getattr(session.items[0], "module", None))
-        known = _functions({str(self._root / file) for file in self._target.files})
-        status, told, _ = forked(lambda say: self._sound(session.items, say), 600.0)
-        if status != "0":
-            raise RuntimeError(f"the tests fail without any fault: {status} {told}")
-        self.seconds |= json.loads(told)
+        functions = _functions({str(self._root / file) for file in self._target.files})
+        fork = forked(lambda say: self._run_sound(session.items, say), 600.0)
+        if fork.status != "0":
+            raise RuntimeError(f"the tests fail without any fault: {fork.status} {fork.said}")
+        self.seconds |= json.loads(fork.said)
         session.items.sort(key=lambda item: self.seconds[item.nodeid])
         patience = max(PATIENCE * sum(self.seconds.values()), AT_LEAST)
         gc.freeze()  # what is there already is not looked through, and so not copied, in every fork
         for work in self._works:
-            key = (str(self._root / work.file), work.mutant.function, work.mutant.first)
-            functions = known.get(key, [])
-            code = _code_of(work.mutant, key[0])
-            if (
-                not functions
-                or code is None
-                or len(code.co_freevars) != len(functions[0].__code__.co_freevars)
-            ):
-                self.at_import.append(work)
-                continue
-            status, _, seconds = forked(
-                lambda _, f=functions, c=code: self._faulty(session.items, f, c), patience
-            )
-            if (
-                status == "0" and key in self._used
-            ):  # it may have done its work when the tests were collected
-                self.at_import.append(work)
-            else:
-                self._tell(work, outcome_of(status), seconds)
+            self._try(work, session.items, functions, patience)
         return True
 
-    def _sound(self, items: list[pytest.Item], say: Callable[[str], None]) -> int:
+    def _try(
+        self,
+        work: Work,
+        items: list[pytest.Item],
+        functions: dict[FunctionKey, list[Any]],
+        patience: float,
+    ) -> None:
+        """Run the tests with one mutant, and tell what came of it, or note that it has to be there at import."""
+        path = str(self._root / work.file)
+        key = (path, work.mutant.function, work.mutant.first)
+        code = _code_of(work.mutant, path)
+        if key not in functions or code is None:
+            self.at_import.append(work)
+            return
+        if len(code.co_freevars) != len(functions[key][0].__code__.co_freevars):
+            self.at_import.append(work)
+            return
+        fork = forked(lambda _: self._run_faulty(items, functions[key], code), patience)
+        was_used_before = key in self._used  # when the tests were collected
+        if fork.status == "0" and was_used_before:
+            self.at_import.append(work)
+        else:
+            self._tell(work, outcome_of(fork.status), fork.seconds)
+
+    def _run_sound(self, items: list[pytest.Item], say: Callable[[str], None]) -> int:
         seconds = {}
         for item in items:
             begin = time.monotonic()
@@ -288,53 +308,62 @@ class Asked:
         say(json.dumps(seconds))
         return 0
 
-    def _faulty(self, items: list[pytest.Item], functions: list[Any], code: types.CodeType) -> int:
+    def _run_faulty(
+        self, items: list[pytest.Item], functions: list[Any], code: types.CodeType
+    ) -> int:
         for function in functions:
             function.__code__ = code
-        return 0 if all(map(_passes, items)) else 1
+        do_all_pass = all(map(_passes, items))
+        return int(not do_all_pass)
 
 
 def _passes(item: pytest.Item) -> bool:
     runner = import_module("_pytest.runner")
-    return all(
-        report.passed or report.skipped
-        for report in runner.runtestprotocol(item, log=False, nextitem=None)
-    )
+    reports = runner.runtestprotocol(item, log=False, nextitem=None)
+    return all(report.passed or report.skipped for report in reports)
 
 
-def _functions(files: set[str]) -> dict[tuple[str, str, int], list[Any]]:
-    """All functions that there are in this process, by file, name and line."""
-    found: dict[tuple[str, str, int], list[Any]] = {}
-    for one in gc.get_objects():
-        if isinstance(one, types.FunctionType) and one.__code__.co_filename in files:
-            code = one.__code__
-            found.setdefault((code.co_filename, code.co_qualname, code.co_firstlineno), []).append(
-                one
-            )
-    return found
+def _functions(files: set[str]) -> dict[FunctionKey, list[Any]]:
+    """All functions of some files that there are in this process."""
+    functions: dict[FunctionKey, list[Any]] = {}
+    for thing in gc.get_objects():
+        if isinstance(thing, types.FunctionType) and thing.__code__.co_filename in files:
+            code = thing.__code__
+            key = (code.co_filename, code.co_qualname, code.co_firstlineno)
+            functions.setdefault(key, []).append(thing)
+    return functions
 
 
 def _code_of(mutant: Mutant, path: str) -> types.CodeType | None:
     """The code of the outermost function with the fault."""
 
-    def inside(code: types.CodeType) -> Iterator[types.CodeType]:
-        for one in code.co_consts:
-            if isinstance(one, types.CodeType):
-                yield one
-                yield from inside(one)
+    def codes_inside(code: types.CodeType) -> Iterator[types.CodeType]:
+        for constant in code.co_consts:
+            if isinstance(constant, types.CodeType):
+                yield constant
+                yield from codes_inside(constant)
 
-    whole = compile(mutant.text, path, "exec", dont_inherit=True)
-    same = (
-        one
-        for one in inside(whole)
-        if (one.co_qualname, one.co_firstlineno) == (mutant.function, mutant.first)
-    )
-    return next(same, None)
+    for code in codes_inside(compile(mutant.text, path, "exec", dont_inherit=True)):
+        if (code.co_qualname, code.co_firstlineno) == (mutant.function, mutant.first):
+            return code
+    return None
 
 
-def forked(do: Callable[[Callable[[str], None]], int], patience: float) -> tuple[str, str, float]:
-    """Do something in a fork: its exit status or the signal that ended it, what it said, and how long that took [s]."""
-    begin, (there, here) = time.monotonic(), os.pipe()
+class Fork(NamedTuple):
+    """What became of a fork."""
+
+    status: str
+    """Its exit status, or the signal that ended it."""
+    said: str
+    """What it said."""
+    seconds: float
+    """How long it took [s]."""
+
+
+def forked(do: Callable[[Callable[[str], None]], int], patience: float) -> Fork:
+    """Do something in a fork, to which it gets a function that says something to this process."""
+    begin = time.monotonic()
+    reading_end, writing_end = os.pipe()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)  # of threads, which no child misses
         pid = os.fork()
@@ -342,12 +371,12 @@ def forked(do: Callable[[Callable[[str], None]], int], patience: float) -> tuple
         status = 3
         try:
             os.setpgid(0, 0)
-            os.close(there)
+            os.close(reading_end)
             for alarm in (signal.SIGPROF, signal.SIGALRM):
                 signal.signal(alarm, signal.SIG_DFL)
             signal.setitimer(signal.ITIMER_PROF, patience)
             signal.setitimer(signal.ITIMER_REAL, SLOWLY * patience)
-            status = do(lambda text: os.write(here, text.encode()) and None)
+            status = do(lambda text: os.write(writing_end, text.encode()) and None)
         except BaseException:
             traceback.print_exc()
             status = 1
@@ -356,50 +385,57 @@ def forked(do: Callable[[Callable[[str], None]], int], patience: float) -> tuple
                 sys.stdout.flush()
                 sys.stderr.flush()
             os._exit(status)
-    os.close(here)
-    with os.fdopen(there, "rb") as said:
-        text = said.read().decode()
-    code = os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1])
+    os.close(writing_end)
+    with os.fdopen(reading_end, "rb") as pipe:
+        said = pipe.read().decode()
+    _, wait_status = os.waitpid(pid, 0)
+    code = os.waitstatus_to_exitcode(wait_status)
     with contextlib.suppress(ProcessLookupError, PermissionError):
         os.killpg(pid, signal.SIGKILL)  # what it may have started
-    return (signal.Signals(-code).name if code < 0 else str(code)), text, time.monotonic() - begin
+    status = str(code)
+    if code < 0:
+        status = signal.Signals(-code).name
+    return Fork(status, said, time.monotonic() - begin)
 
 
 def outcome_of(status: str) -> str:
-    return "alive" if status == "0" else "hung" if status in ("SIGPROF", "SIGALRM") else "noticed"
+    if status == "0":
+        return "alive"
+    if status in ("SIGPROF", "SIGALRM"):
+        return "hung"
+    return "noticed"
 
 
 def _imported_with(root: Path, work: Work, target: Target, seconds: dict[str, float]) -> int:
     """Run the tests in a process that has yet to import the file, and gets another text of it."""
-    path, read = root / work.file, importlib.machinery.SourceFileLoader.get_data
+    path = root / work.file
+    read = importlib.machinery.SourceFileLoader.get_data
 
-    def get_data(loader: Any, wanted: str) -> bytes:
-        given = Path(wanted)
-        if given == path:
+    def get_data(loader: Any, name: str) -> bytes:
+        file = Path(name)
+        if file == path:
             return work.mutant.text.encode()
-        if given.parent == path.parent / "__pycache__" and given.name.startswith(f"{path.stem}."):
+        is_in_cache = file.parent == path.parent / "__pycache__"
+        if is_in_cache and file.name.startswith(f"{path.stem}."):
             raise FileNotFoundError
-        return read(loader, wanted)
+        return read(loader, name)
 
     importlib.machinery.SourceFileLoader.get_data = get_data  # type: ignore[method-assign]
     # Bytecode of a fault must not stay behind; the tests switch on that bytecode is written.
     importlib.machinery.SourceFileLoader.set_data = lambda *_, **__: None  # type: ignore[method-assign]
-    plugin = Asked(root, target, (), lambda *_: None)
+    plugin = FaultyRuns(root, target, (), lambda *_: None)
     plugin.seconds = seconds
     plugin.pytest_runtestloop = lambda session: None  # type: ignore[assignment, method-assign, return-value]
-    return int(pytest.main([*_words(root, target), "-x"], plugins=[plugin])) and 1
+    status = pytest.main([*_pytest_arguments(root, target), "-x"], plugins=[plugin])
+    return int(status != pytest.ExitCode.OK)
 
 
-def _words(root: Path, target: Target) -> list[str]:
-    without = (
-        "-p",
-        "no:cacheprovider",
-        "-p",
-        "no:xdist",
-        "-W",
-        "ignore::pytest.PytestAssertRewriteWarning",
-    )
-    return [*(str(root / one) for one in target.tests), f"--rootdir={root}", "-q", *without]
+def _pytest_arguments(root: Path, target: Target) -> list[str]:
+    arguments = [str(root / folder) for folder in target.tests]
+    arguments += [f"--rootdir={root}", "-q"]
+    arguments += ["-p", "no:cacheprovider", "-p", "no:xdist"]
+    arguments += ["-W", "ignore::pytest.PytestAssertRewriteWarning"]
+    return arguments
 
 
 def try_all(root: Path, target: Target, works: Sequence[Work], progress: Path) -> None:
@@ -413,28 +449,25 @@ def try_all(root: Path, target: Target, works: Sequence[Work], progress: Path) -
         with progress.open("a", encoding="utf-8") as file:
             file.write(work.answer(outcome, seconds))
 
-    def first(say: Callable[[str], None]) -> int:
-        plugin = Asked(root, target, works, tell)
-        status = int(pytest.main(_words(root, target), plugins=[plugin]))
+    def try_functions(say: Callable[[str], None]) -> int:
+        plugin = FaultyRuns(root, target, works, tell)
+        status = int(pytest.main(_pytest_arguments(root, target), plugins=[plugin]))
         say(json.dumps([[work.digest for work in plugin.at_import], plugin.seconds]))
         return status
 
     with tempfile.TemporaryFile() as out:
-        status, said, _ = forked(lambda say: _quietly(out.fileno(), lambda: first(say)), 1e6)
-        if status != "0":
+        fork = forked(lambda say: _quietly(out.fileno(), lambda: try_functions(say)), 1e6)
+        if fork.status != "0":
             out.seek(0)
             raise RuntimeError(out.read().decode()[-3000:])
-        left, seconds = json.loads(said)
+        digests_at_import, seconds = json.loads(fork.said)
         patience = max(PATIENCE * sum(seconds.values()), AT_LEAST) + IMPORTING
         for work in works:
-            if work.digest in left:
-                status, _, took = forked(
-                    lambda _, one=work: _quietly(
-                        out.fileno(), lambda: _imported_with(root, one, target, seconds)
-                    ),
-                    patience,
-                )
-                tell(work, outcome_of(status), took)
+            if work.digest not in digests_at_import:
+                continue
+            run_tests = partial(_imported_with, root, work, target, seconds)
+            fork = forked(lambda _, run=run_tests: _quietly(out.fileno(), run), patience)
+            tell(work, outcome_of(fork.status), fork.seconds)
 
 
 def _quietly(file: int, do: Callable[[], int]) -> int:
@@ -461,25 +494,26 @@ def answers(progress: Path) -> dict[str, dict[str, Any]]:
         return {row["digest"]: row for row in map(json.loads, file)}
 
 
-Key = tuple[str, str, str, str]
+class Key(NamedTuple):
+    """What tells a mutant from others, also after other lines of its file have changed."""
+
+    file: str
+    function: str
+    before: str
+    after: str
 
 
 def equivalents() -> dict[Key, str]:
-    """The reasons for which no test can tell a mutant from the code: by file, function, the lines before and after."""
-    return {key: reason for key, (word, reason) in _listed().items() if word == "equivalent"}
-
-
-def _listed() -> dict[Key, tuple[str, str]]:
+    """The reasons for which no test can tell a mutant from the code."""
+    reasons: dict[Key, str] = {}
     if not ALIVE.exists():
-        return {}
+        return reasons
     with ALIVE.open(newline="", encoding="utf-8") as file:
-        return {
-            (row["file"], row["function"], row["before"], row["after"]): (
-                row["outcome"],
-                row["reason"],
-            )
-            for row in csv.DictReader(file)
-        }
+        for row in csv.DictReader(file):
+            if row["outcome"] == "equivalent":
+                key = Key(row["file"], row["function"], row["before"], row["after"])
+                reasons[key] = row["reason"]
+    return reasons
 
 
 def stored() -> list[dict[str, str]]:
@@ -489,56 +523,83 @@ def stored() -> list[dict[str, str]]:
 
 
 def key_of(work: Work) -> Key:
-    return work.file, work.mutant.function, work.mutant.before, work.mutant.after
+    return Key(work.file, work.mutant.function, work.mutant.before, work.mutant.after)
 
 
 def write(
     works: Sequence[Work], known: dict[str, dict[str, Any]]
 ) -> list[tuple[str, Counter[str]]]:
     """Write both tables; returns what became of the mutants of every file."""
-    reasons, counts, alive = equivalents(), dict[str, Counter[str]](), list[tuple[str, ...]]()
+    reasons = equivalents()
+    counts: dict[str, Counter[str]] = {}
+    alive: list[tuple[str, ...]] = []
     for work in works:
         if work.digest not in known:
             continue
-        outcome, reason = known[work.digest]["outcome"], reasons.get(key_of(work), "")
+        outcome = known[work.digest]["outcome"]
         if outcome == "alive":
-            outcome = "equivalent" if reason else "alive"
+            reason = reasons.get(key_of(work), "")
+            if reason:
+                outcome = "equivalent"
             alive.append((*key_of(work), outcome, reason))
         counts.setdefault(work.file, Counter()).update([outcome, "tried"])
     rows = [*counts.items(), ("all", sum(counts.values(), Counter()))]
+    n_mutants = Counter(work.file for work in works)
+    n_mutants["all"] = len(works)
     with STORED.open("w", newline="", encoding="utf-8") as file:
-        table = csv.writer(file, lineterminator="\n")
-        table.writerow(
-            (
-                "file",
-                "mutants",
-                "tried",
-                "seen",
-                "hung",
-                "equivalent",
-                "alive",
-                "share",
-                "without_equivalent",
-            )
-        )
+        table = csv.DictWriter(file, COLUMNS, lineterminator="\n")
+        table.writeheader()
         for name, count in rows:
-            n = sum(name in (work.file, "all") for work in works)
-            told = (count[word] for word in ("hung", "equivalent", "alive"))
-            seen = count["noticed"] + count["hung"]
-            table.writerow(
-                (name, n, count["tried"], seen, *told, *(f"{share:.4f}" for share in shares(count)))
-            )
+            table.writerow(row_of(name, n_mutants[name], count))
     with ALIVE.open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file, lineterminator="\n")
-        table.writerow(("file", "function", "before", "after", "outcome", "reason"))
+        table.writerow((*Key._fields, "outcome", "reason"))
         table.writerows(dict.fromkeys(alive))
     return rows
 
 
-def shares(count: Counter[str]) -> tuple[float, float]:
-    """Noticed of all tried, and of those that are not equivalent."""
+COLUMNS = (
+    "file",
+    "mutants",
+    "tried",
+    "seen",
+    "hung",
+    "equivalent",
+    "alive",
+    "share",
+    "without_equivalent",
+)
+"""Columns of the table of files."""
+
+
+def row_of(name: str, n_mutants: int, count: Counter[str]) -> dict[str, object]:
+    """What became of the mutants of a file, as a row of the table."""
+    shares = shares_of(count)
+    return {
+        "file": name,
+        "mutants": n_mutants,
+        "tried": count["tried"],
+        "seen": count["noticed"] + count["hung"],
+        "hung": count["hung"],
+        "equivalent": count["equivalent"],
+        "alive": count["alive"],
+        "share": f"{shares.of_tried:.4f}",
+        "without_equivalent": f"{shares.of_others:.4f}",
+    }
+
+
+class Shares(NamedTuple):
+    """Shares of mutants that are noticed."""
+
+    of_tried: float
+    of_others: float
+    """Of those that are not equivalent."""
+
+
+def shares_of(count: Counter[str]) -> Shares:
     noticed = count["noticed"] + count["hung"]
-    return noticed / max(count["tried"], 1), noticed / max(count["tried"] - count["equivalent"], 1)
+    n_others = count["tried"] - count["equivalent"]
+    return Shares(noticed / max(count["tried"], 1), noticed / max(n_others, 1))
 
 
 def main() -> int:
@@ -555,19 +616,15 @@ def main() -> int:
     options = parser.parse_args()
     PROGRESS.parent.mkdir(exist_ok=True)
     known = answers(PROGRESS)
-    everything = [
-        work for target in TARGETS for file in target.files for work in work_in(ROOT, file)
-    ]
+    everything: list[Work] = []
+    for target in TARGETS:
+        for file in target.files:
+            everything += work_in(ROOT, file)
     chosen = [work for work in everything if any(part in work.file for part in options.only)]
     random.Random(options.seed).shuffle(chosen)
     chosen = chosen[: options.sample]
     if options.show:
-        reasons = equivalents()
-        for work in sorted(chosen, key=lambda one: (one.file, one.mutant.line)):
-            if known.get(work.digest, {}).get("outcome") == "alive" and key_of(work) not in reasons:
-                print(
-                    f"{work.file}:{work.mutant.line}: {work.mutant.before}\n    -> {work.mutant.after}"
-                )
+        show_alive(chosen, known)
         return 0
     sys.path[:0] = [str(ROOT / "src")]
     os.environ["PYTHONPATH"] = f"{ROOT / 'src'}{os.pathsep}{os.environ.get('PYTHONPATH', '')}"
@@ -575,50 +632,75 @@ def main() -> int:
     for name in BEFORE:
         with contextlib.suppress(ImportError):
             import_module(name)
-    for target in (replace(one, left_out=()) if options.thorough else one for one in TARGETS):
-        reasons = equivalents()
-        todo = [
-            work
-            for work in chosen
-            if work.file in target.files
-            and (
-                work.digest not in known
-                or (options.again and known[work.digest]["outcome"] == "alive")
-            )
-            and key_of(work) not in reasons
-        ] + [
-            work
-            for work in chosen
-            if work.file in target.files and work.digest not in known and key_of(work) in reasons
-        ]
-        if not todo:
+    for target in TARGETS:
+        if options.thorough:
+            target = replace(target, left_out=())
+        of_target = [work for work in chosen if work.file in target.files]
+        left = works_left(of_target, known, again=options.again)
+        if not left:
             continue
-        print(f"{', '.join(target.files)}: {len(todo)} mutants", file=sys.stderr, flush=True)
-        jobs = [
-            multiprocessing.get_context("fork").Process(
-                target=try_all, args=(ROOT, target, todo[i :: options.jobs], PROGRESS)
-            )
-            for i in range(min(options.jobs, len(todo)))
-        ]
-        for job in jobs:
-            job.start()
-        for job in jobs:
-            job.join()
-        if any(job.exitcode for job in jobs):
+        print(f"{', '.join(target.files)}: {len(left)} mutants", file=sys.stderr, flush=True)
+        if not try_in_jobs(target, left, options.jobs):
             return 1
     known = answers(PROGRESS)
     rows = write(everything, known)
     for name, count in rows:
+        shares = shares_of(count)
         print(
-            f"{name:<48} {dict(count)}  {shares(count)[0]:.1%}, without equivalent ones {shares(count)[1]:.1%}"
+            f"{name:<48} {dict(count)}  {shares.of_tried:.1%}, "
+            f"without equivalent ones {shares.of_others:.1%}"
         )
-    some = Counter(known[work.digest]["outcome"] for work in chosen if work.digest in known)
-    n, of = some["noticed"] + some["hung"], some.total()
-    low, high = wilson(n, of)
+    outcomes = Counter(known[work.digest]["outcome"] for work in chosen if work.digest in known)
+    n_noticed = outcomes["noticed"] + outcomes["hung"]
+    n_tried = outcomes.total()
+    low, high = wilson(n_noticed, n_tried)
     print(
-        f"chosen ones: {n} of {of} noticed, {n / max(of, 1):.1%}; as a sample, {low:.1%} to {high:.1%} of all (95 %)"
+        f"chosen ones: {n_noticed} of {n_tried} noticed, {n_noticed / max(n_tried, 1):.1%}; "
+        f"as a sample, {low:.1%} to {high:.1%} of all (95 %)"
     )
-    return int(shares(rows[-1][1])[0] < ENOUGH)
+    _, count_of_all = rows[-1]
+    return int(shares_of(count_of_all).of_tried < ENOUGH)
+
+
+def show_alive(works: Sequence[Work], known: dict[str, dict[str, Any]]) -> None:
+    """Print those that live and are not called equivalent, line by line."""
+    reasons = equivalents()
+    for work in sorted(works, key=lambda work: (work.file, work.mutant.line)):
+        is_alive = known.get(work.digest, {}).get("outcome") == "alive"
+        if is_alive and key_of(work) not in reasons:
+            mutant = work.mutant
+            print(f"{work.file}:{mutant.line}: {mutant.before}\n    -> {mutant.after}")
+
+
+def works_left(
+    works: Sequence[Work], known: dict[str, dict[str, Any]], *, again: bool
+) -> list[Work]:
+    """Mutants that are to be tried: what is not known, and again those that lived; equivalent ones last and once."""
+    reasons = equivalents()
+    left: list[Work] = []
+    left_equivalents: list[Work] = []
+    for work in works:
+        is_known = work.digest in known
+        if key_of(work) in reasons:
+            if not is_known:
+                left_equivalents.append(work)
+        elif not is_known or (again and known[work.digest]["outcome"] == "alive"):
+            left.append(work)
+    return left + left_equivalents
+
+
+def try_in_jobs(target: Target, works: Sequence[Work], n_jobs: int) -> bool:
+    """Try mutants in several processes; whether all of them succeeded."""
+    context = multiprocessing.get_context("fork")
+    jobs = [
+        context.Process(target=try_all, args=(ROOT, target, works[i::n_jobs], PROGRESS))
+        for i in range(min(n_jobs, len(works)))
+    ]
+    for job in jobs:
+        job.start()
+    for job in jobs:
+        job.join()
+    return not any(job.exitcode for job in jobs)
 
 
 if __name__ == "__main__":

@@ -19,14 +19,15 @@ that of `offset_bandwidth`; see docs/how-to/operate.md.
 
 import argparse
 import csv
+import itertools
 import math
 import sys
 import tempfile
 import zlib
-from concurrent.futures import ProcessPoolExecutor
-from dataclasses import asdict, dataclass, fields, replace
+from concurrent.futures import Future, ProcessPoolExecutor
+from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -97,27 +98,33 @@ class Watch:
 
     tank: Tank
     volume: CaptureVolume
-    joints: list[np.ndarray]
-    twins: list[float]
-    truths: list[np.ndarray]
-    errors: list[np.ndarray]
-    alive: bool = False
+    twin_joint_errors: list[np.ndarray] = field(default_factory=list)
+    """Of all joints [deg]."""
+    twin_speeds: list[float] = field(default_factory=list)
+    """Along the twin's heading [m/s]."""
+    truths: list[np.ndarray] = field(default_factory=list)
+    """Time, x, y and heading of the robot [s], [m], [rad]."""
+    errors: list[np.ndarray] = field(default_factory=list)
+    """Of the estimate's x, y and heading [m], [deg]."""
+    is_twin_alive: bool = False
 
     def __call__(self, state: Any, outputs: object) -> None:
         """Look, after a tick."""
         if state.phase != "running" or state.estimate is None:
             return
-        truth, estimate = self.tank.truth, state.estimate
+        truth = self.tank.truth
+        estimate = state.estimate
         center = self.volume.to_path(truth.center_of_mass)[:2]
-        twin = state.estimator.latest.twin
-        self.alive = twin is not None
         self.truths.append(np.array([truth.time, *center, truth.heading]))
-        off = estimate.center_of_mass - center
-        self.errors.append(np.array([*off, math.degrees(estimate.heading - truth.heading)]))
+        position_error = estimate.center_of_mass - center
+        heading_error = math.degrees(estimate.heading - truth.heading)
+        self.errors.append(np.array([*position_error, heading_error]))
+        twin = state.estimator.latest.twin
+        self.is_twin_alive = twin is not None
         if twin is not None:
-            self.joints.append(np.degrees(twin.joint_angle - truth.joint_angle))
-            along = np.array([math.cos(twin.heading), math.sin(twin.heading)])
-            self.twins.append(float(twin.velocity @ along))
+            self.twin_joint_errors.append(np.degrees(twin.joint_angle - truth.joint_angle))
+            ahead = np.array([math.cos(twin.heading), math.sin(twin.heading)])
+            self.twin_speeds.append(float(twin.velocity @ ahead))
 
     def figures(self) -> dict[str, float]:
         """The figures of a row; nan without a run."""
@@ -131,55 +138,74 @@ class Watch:
             )
             return {"twin_alive": 0, **dict.fromkeys(names, math.nan)}
         time, x, y, heading = np.array(self.truths).T
-        middle = 0.5 * (heading[1:] + heading[:-1])
-        way = np.diff(x) * np.cos(middle) + np.diff(y) * np.sin(middle)
-        error = np.array(self.errors)
+        mean_heading = 0.5 * (heading[1:] + heading[:-1])
+        ways = np.diff(x) * np.cos(mean_heading) + np.diff(y) * np.sin(mean_heading)
+        x_error, y_error, heading_error = np.array(self.errors).T
+        twin_velocity = math.nan
+        if self.twin_speeds:
+            twin_velocity = float(np.mean(self.twin_speeds))
         return {
-            "twin_alive": int(self.alive),
-            "twin_joint_error": _root_mean_square(np.array(self.joints)),
-            "twin_velocity": float(np.mean(self.twins)) if self.twins else math.nan,
-            "true_velocity": float(np.sum(way) / (time[-1] - time[0])),
-            "position_error": _root_mean_square(np.hypot(error[:, 0], error[:, 1])),
-            "heading_error": _root_mean_square(error[:, 2]),
+            "twin_alive": int(self.is_twin_alive),
+            "twin_joint_error": _root_mean_square(np.array(self.twin_joint_errors)),
+            "twin_velocity": twin_velocity,
+            "true_velocity": float(np.sum(ways) / (time[-1] - time[0])),
+            "position_error": _root_mean_square(np.hypot(x_error, y_error)),
+            "heading_error": _root_mean_square(heading_error),
         }
 
 
 def _root_mean_square(values: np.ndarray) -> float:
-    return float(np.sqrt(np.mean(values**2))) if values.size else math.nan
+    if not values.size:
+        return math.nan
+    return float(np.sqrt(np.mean(values**2)))
 
 
-def built(operation: Operation) -> Any:
+def build_plant(operation: Operation) -> Any:
     """The robot of an operation in its water, with its joint law."""
     return lc.build_plant(operation.body(), operation.pool(), joints=operation.joint_law())
 
 
-def operated(operation: Operation, folder: Path) -> Result:
-    """One run in a tank of its own; its name says which chance it has."""
-    return watched(operation, folder)[0]
-
-
-def watched(operation: Operation, folder: Path) -> tuple[Result, Watch]:
+class WatchedRun(NamedTuple):
     """One run, and what was seen of it."""
+
+    result: Result
+    watch: Watch
+
+
+def operate_in_tank(operation: Operation, folder: Path) -> Result:
+    """One run in a tank of its own; its name says which chance it has."""
+    return watch_run(operation, folder).result
+
+
+def watch_run(operation: Operation, folder: Path) -> WatchedRun:
+    """One run in a tank of its own, watched."""
     seed = zlib.crc32(operation.name.encode())
-    chance = np.random.default_rng(seed)
-    off = PLACED * chance.standard_normal(2)
-    x, y = operation.tank.to_tank(np.array([*(np.array(operation.start.position) + off), 0.0]))[:2]
-    heading = operation.start.heading + TURNED * float(chance.standard_normal())
-    start = lc.Start(center_of_mass=(float(x), float(y)), heading=heading)
-    world = VirtualRobot(operation.body(), built(operation), start)
-    meter = "" if operation.supply_voltage is None else "stepped"
+    start = put_down(operation, np.random.default_rng(seed))
+    robot = VirtualRobot(operation.body(), build_plant(operation), start)
+    meter = "stepped"
+    if operation.supply_voltage is None:
+        meter = ""
     operation = replace(operation, connection=replace(operation.connection, meter_address=meter))
     for ending in ("mcap", "nc"):  # of a run that was stopped or rejected
         (folder / f"{operation.name}.{ending}").unlink(missing_ok=True)
-    tank = Tank(world, LabSettings(seed=seed))
-    watch = Watch(tank, operation.tank, [], [], [], [])
-    result = operate(operation, folder, tank=tank, twin=built(operation), frames=False, show=watch)
-    return result, watch
+    tank = Tank(robot, LabSettings(seed=seed))
+    watch = Watch(tank, operation.tank)
+    twin = build_plant(operation)
+    result = operate(operation, folder, tank=tank, twin=twin, frames=False, show=watch)
+    return WatchedRun(result, watch)
 
 
-def simulated(operation: Operation, duration: float) -> lc.Trial:
+def put_down(operation: Operation, chance: np.random.Generator) -> lc.Start:
+    """Where somebody puts the robot down in the tank."""
+    x, y = np.array(operation.start.position) + PLACED * chance.standard_normal(2)
+    x, y, _ = operation.tank.to_tank(np.array([x, y, 0.0]))
+    heading = operation.start.heading + TURNED * float(chance.standard_normal())
+    return lc.Start(center_of_mass=(float(x), float(y)), heading=heading)
+
+
+def simulate(operation: Operation, duration: float) -> lc.Trial:
     """The same controller on the same model for as long [s], with nothing in between."""
-    body = lc.build_plant(
+    plant = lc.build_plant(
         operation.body(),
         operation.pool(),
         joints=operation.joint_law(),
@@ -187,27 +213,30 @@ def simulated(operation: Operation, duration: float) -> lc.Trial:
         offset_bandwidth=operation.offset_bandwidth,
     )
     start = lc.Start(center_of_mass=operation.start.position, heading=operation.start.heading)
-    return lc.run(body, operation.controller(), duration, start=start)
+    return lc.run(plant, operation.controller(), duration, start=start)
 
 
 def run(number: int, repeat: int, folder: Path | None, changes: dict[str, Any]) -> Row:
     """One run of one setting."""
-    usual = {"rate": RATE, "offset_bandwidth": OFFSET_BANDWIDTH}
-    operation = replace(load_operation(TABLE2).trials[number], **{**usual, **changes})
+    settings = {"rate": RATE, "offset_bandwidth": OFFSET_BANDWIDTH, **changes}
+    operation = replace(load_operation(TABLE2).trials[number], **settings)
     measured = read_path_following_trials()[number]
     with tempfile.TemporaryDirectory() as temporary:
-        kept = Path(temporary) if folder is None else folder
-        named = replace(operation, name=f"{operation.name}-{repeat}")
-        result, watch = watched(named, kept)
+        if folder is None:
+            folder = Path(temporary)
+        repeated = replace(operation, name=f"{operation.name}-{repeat}")
+        result, watch = watch_run(repeated, folder)
         figures: dict[str, Any] = dict.fromkeys(following.FIGURES)
         if result.trial is not None:
             figures = following.summarize_following(result.trial)
         summary = result.summary()
-    plain = simulated(operation, float(summary.get("duration", operation.duration)))
+    plain = simulate(operation, float(summary.get("duration", operation.duration)))
 
     def number_of(name: str) -> float:
         value = {**figures, **summary}.get(name)
-        return math.nan if value is None else float(value)
+        if value is None:
+            return math.nan
+        return float(value)
 
     return Row(
         setting=operation.name,
@@ -233,23 +262,27 @@ def stored(path: Path = STORED) -> list[Row]:
     """The rows of the stored answer."""
     if not path.exists():
         return []
-    kinds: dict[str, Any] = {field.name: field.type for field in fields(Row)}
     with path.open(newline="", encoding="utf-8") as file:
-        return [
-            Row(**{name: kinds[name](text) for name, text in row.items()})
-            for row in csv.DictReader(file)
-        ]
+        return [read_row(cells) for cells in csv.DictReader(file)]
 
 
-def kept(rows: list[Row], path: Path) -> None:
+def read_row(cells: dict[str, str]) -> Row:
+    values: dict[str, Any] = {}
+    for column in fields(Row):
+        kind: Any = column.type
+        values[column.name] = kind(cells[column.name])
+    return Row(**values)
+
+
+def write_rows(rows: list[Row], path: Path) -> None:
     """Write the rows, in the order of the settings; numbers have six digits."""
-    names = [one.name for one in load_operation(TABLE2).trials]
-    rows = sorted(rows, key=lambda one: (names.index(one.setting), one.repeat))
+    names = [trial.name for trial in load_operation(TABLE2).trials]
+    rows = sorted(rows, key=lambda row: (names.index(row.setting), row.repeat))
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow([field.name for field in fields(Row)])
-        for one in rows:
-            values = asdict(one).values()
+        writer.writerow([column.name for column in fields(Row)])
+        for row in rows:
+            values = asdict(row).values()
             writer.writerow([f"{v:.6g}" if isinstance(v, float) else v for v in values])
 
 
@@ -265,58 +298,70 @@ def table(rows: list[Row]) -> str:
         "| p_y in the last 3 cycles [m] | twin's joints [deg] |",
         "|---|---|---|---|---|---|---|---|",
     ]
-    for one in rows:
-        name = (
-            one.setting.replace("lateral-undulation", "lateral")
-            .replace("-fin", ", fin")
-            .replace("-case-", ", ")
-        )
-        if len({row.repeat for row in rows}) > 1:
-            name += f", run {one.repeat}"
+    has_repeats = len({row.repeat for row in rows}) > 1
+    for row in rows:
         cells = (
-            name + ("" if one.accepted else " (rejected)"),
-            f"{one.velocity:.4f}",
-            f"{one.measured_velocity:.4f}",
-            f"{error(one):+.1f} %",
-            f"{one.simulated_velocity:.4f}",
-            f"{one.convergence_time:.0f}",
-            f"{one.last_cycles_error:.3f}",
-            f"{one.twin_joint_error:.2f}",
+            title_of(row, has_repeats),
+            f"{row.velocity:.4f}",
+            f"{row.measured_velocity:.4f}",
+            f"{error(row):+.1f} %",
+            f"{row.simulated_velocity:.4f}",
+            f"{row.convergence_time:.0f}",
+            f"{row.last_cycles_error:.3f}",
+            f"{row.twin_joint_error:.2f}",
         )
         lines.append(f"| {' | '.join(cells)} |")
     return "\n".join(lines)
 
 
+def title_of(row: Row, has_repeats: bool) -> str:
+    title = row.setting.replace("lateral-undulation", "lateral")
+    title = title.replace("-fin", ", fin").replace("-case-", ", ")
+    if has_repeats:
+        title += f", run {row.repeat}"
+    if not row.accepted:
+        title += " (rejected)"
+    return title
+
+
+def mean_error(rows: list[Row]) -> float:
+    """Mean of the speeds' absolute errors [%]."""
+    return float(np.mean([abs(error(row)) for row in rows]))
+
+
 def summary(rows: list[Row]) -> str:
     """What the table says, in one sentence a line."""
     n = len(rows)
-    mean = float(np.mean([abs(error(one)) for one in rows]))
-    against_model = [one.electrical_power / one.simulated_power for one in rows]
-    with_fin, without_fin = (
-        [
-            one.electrical_power / one.measured_power
-            for one in rows
-            if ("-fin-" in one.setting) == has_fin
-        ]
-        for has_fin in (True, False)
-    )
-    away = [abs(one.twin_velocity / one.true_velocity - 1.0) for one in rows if one.twin_alive]
-    return "\n".join(
-        (
-            f"speed: mean error {mean:.1f} % (asked for: at most {LARGEST_ERROR:g} %)",
-            f"accepted: {sum(one.accepted for one in rows)} of {n}",
-            f"came to their path and stayed over the last three cycles: {sum(one.stays for one in rows)} of {n}",
-            f"twins that were there at the end: {sum(one.twin_alive for one in rows)} of {n}; "
-            f"their speed is off by up to {100.0 * max(away, default=math.nan):.1f} %",
-            f"electrical power above idle: {_range_of(against_model)} against the plain simulation; "
-            f"against measured {_range_of(with_fin)} with the fin, {_range_of(without_fin)} without",
-            *(
-                f"rejected: {one.setting}-{one.repeat}: {one.reason}"
-                for one in rows
-                if not one.accepted
-            ),
-        )
-    )
+    n_accepted = sum(row.accepted for row in rows)
+    n_staying = sum(row.stays for row in rows)
+    n_twins = sum(row.twin_alive for row in rows)
+    errors_of_twins = [
+        abs(row.twin_velocity / row.true_velocity - 1.0) for row in rows if row.twin_alive
+    ]
+    largest_error = 100.0 * max(errors_of_twins, default=math.nan)
+    to_simulated = [row.electrical_power / row.simulated_power for row in rows]
+    to_measured_with_fin: list[float] = []
+    to_measured_without_fin: list[float] = []
+    for row in rows:
+        ratio = row.electrical_power / row.measured_power
+        if "-fin-" in row.setting:
+            to_measured_with_fin.append(ratio)
+        else:
+            to_measured_without_fin.append(ratio)
+    lines = [
+        f"speed: mean error {mean_error(rows):.1f} % (asked for: at most {LARGEST_ERROR:g} %)",
+        f"accepted: {n_accepted} of {n}",
+        f"came to their path and stayed over the last three cycles: {n_staying} of {n}",
+        f"twins that were there at the end: {n_twins} of {n}; "
+        f"their speed is off by up to {largest_error:.1f} %",
+        f"electrical power above idle: {_range_of(to_simulated)} against the plain simulation; "
+        f"against measured {_range_of(to_measured_with_fin)} with the fin, "
+        f"{_range_of(to_measured_without_fin)} without",
+    ]
+    for row in rows:
+        if not row.accepted:
+            lines.append(f"rejected: {row.setting}-{row.repeat}: {row.reason}")
+    return "\n".join(lines)
 
 
 def _range_of(ratios: list[float]) -> str:
@@ -326,7 +371,7 @@ def _range_of(ratios: list[float]) -> str:
     return f"{100.0 * (min(ratios) - 1.0):+.0f} to {100.0 * (max(ratios) - 1.0):+.0f} %"
 
 
-def written(page: Path, rows: list[Row]) -> None:
+def write_page(page: Path, rows: list[Row]) -> None:
     """Replace what stands between the marks of a page."""
     text = page.read_text(encoding="utf-8")
     before, rest = text.split(BEGIN)
@@ -348,40 +393,44 @@ def main() -> int:
     parser.add_argument("--duration", type=float, help="of every run [s]; the file's otherwise")
     parser.add_argument("--page", type=Path, help="page in which the table is to be replaced")
     options = parser.parse_args()
-    rows = stored(options.answer)
     if options.run:
-        if options.output is not None:
-            options.output.mkdir(parents=True, exist_ok=True)
-        changes = {
-            name: value
-            for name in ("offset_bandwidth", "duration")
-            if (value := getattr(options, name)) is not None
-        }
-        names = [one.name for one in load_operation(TABLE2).trials]
-        done = {(one.setting, one.repeat) for one in rows}
-        numbers = options.settings if options.settings is not None else range(len(names))
-        jobs = [(n, k) for k in range(1, options.repeats + 1) for n in numbers]
-        with ProcessPoolExecutor(options.workers) as pool:
-            waiting = [
-                pool.submit(run, n, k, options.output, changes)
-                for n, k in jobs
-                if (names[n], k) not in done
-            ]
-            for one in waiting:
-                rows.append(one.result())
-                kept(rows, options.answer)
-                print(
-                    table(rows[-1:]).splitlines()[-1], rows[-1].reason, file=sys.stderr, flush=True
-                )
+        run_missing(options)
     rows = stored(options.answer)
     if not rows:
         parser.error("there is no answer yet: --run")
     print(table(rows), summary(rows), sep="\n\n")
     if options.page is not None:
-        written(options.page, rows)
-    mean = float(np.mean([abs(error(one)) for one in rows]))
-    is_met = all(one.accepted and one.stays and one.twin_alive for one in rows)
-    return 0 if is_met and mean <= LARGEST_ERROR else 1
+        write_page(options.page, rows)
+    is_met = all(row.accepted and row.stays and row.twin_alive for row in rows)
+    return 0 if is_met and mean_error(rows) <= LARGEST_ERROR else 1
+
+
+def run_missing(options: argparse.Namespace) -> None:
+    """Run what the answer lacks, and store it after every run."""
+    if options.output is not None:
+        options.output.mkdir(parents=True, exist_ok=True)
+    changes: dict[str, Any] = {}
+    if options.offset_bandwidth is not None:
+        changes["offset_bandwidth"] = options.offset_bandwidth
+    if options.duration is not None:
+        changes["duration"] = options.duration
+    rows = stored(options.answer)
+    finished = {(row.setting, row.repeat) for row in rows}
+    names = [trial.name for trial in load_operation(TABLE2).trials]
+    numbers = options.settings
+    if numbers is None:
+        numbers = range(len(names))
+    with ProcessPoolExecutor(options.workers) as pool:
+        waiting: list[Future[Row]] = []
+        for repeat, number in itertools.product(range(1, options.repeats + 1), numbers):
+            if (names[number], repeat) not in finished:
+                waiting.append(pool.submit(run, number, repeat, options.output, changes))
+        for future in waiting:
+            row = future.result()
+            rows.append(row)
+            write_rows(rows, options.answer)
+            *_, line = table([row]).splitlines()
+            print(line, row.reason, file=sys.stderr, flush=True)
 
 
 if __name__ == "__main__":

@@ -45,8 +45,12 @@ DRIVER = Path(__file__).with_suffix(".c")
 GAIT = lc.lateral_undulation(
     amplitude=math.radians(30), frequency=math.radians(130), phase_shift=math.radians(40)
 )
-DURATION, INTERVAL = 30.0, 0.05  # s
-BOUND = 1e-12  # m, rad, m/s, N m and J
+DURATION = 30.0
+"""Duration of the swims [s]."""
+INTERVAL = 0.05
+"""Time between two samples [s]."""
+BOUND = 1e-12
+"""Difference of a number at most [SI]."""
 PAGE = Path(__file__).parent.parent / "docs" / "how-to" / "c-library.md"
 IN_C = "the program in C"
 RUNNERS = {
@@ -101,20 +105,21 @@ def cases() -> dict[str, lc.Scenario]:
 
 def missing(platform: str) -> str:
     """What is not here to run a library for a platform; nothing if all is."""
-    words = RUNNERS.get(platform)
-    if words is None:
+    runner = RUNNERS.get(platform)
+    if runner is None:
         return "a Mac"
-    if words and shutil.which(words[0]) is None:
-        return words[0]
-    return "" if len(words) < 3 or Path(words[2]).exists() else words[2]
+    if runner and shutil.which(runner[0]) is None:
+        return runner[0]
+    if "-L" in runner and not Path(runner[-1]).exists():
+        return runner[-1]
+    return ""
 
 
 def driver(platform: str, folder: Path) -> str:
     """The program in C for a platform."""
     program = folder / f"drive-{platform}.exe"
-    subprocess.run(
-        [*find_compiler(PLATFORMS[platform]), "-O2", str(DRIVER), "-o", str(program)], check=True
-    )
+    compiler = find_compiler(PLATFORMS[platform])
+    subprocess.run([*compiler, "-O2", str(DRIVER), "-o", str(program)], check=True)
     return str(program)
 
 
@@ -124,78 +129,82 @@ def error(scenario: lc.Scenario, platform: str, fmu: Path, program: str) -> floa
     with zipfile.ZipFile(fmu) as archive:
         archive.extractall(folder)
     root = fromstring((folder / "modelDescription.xml").read_bytes())
-    number = {
-        one.attrib["name"]: int(one.attrib["valueReference"]) for one in root.iter("ScalarVariable")
+    column_of = {
+        variable.attrib["name"]: int(variable.attrib["valueReference"])
+        for variable in root.iter("ScalarVariable")
     }
-    one = PLATFORMS[platform]
-    library = (
-        folder
-        / "binaries"
-        / one.fmi2_folder
-        / f"{root.attrib['modelName']}{one.system.library_ending}"
-    )
-    words = [*RUNNERS[platform], program, str(library), root.attrib["guid"], str(len(number))]
-    own = {"WINEPREFIX": str(fmu.parent / "wine"), "WINEDEBUG": "-all"}
-    done = subprocess.run(
-        [*words, str(round(DURATION / INTERVAL))],
+    target = PLATFORMS[platform]
+    library_name = f"{root.attrib['modelName']}{target.system.library_ending}"
+    library = folder / "binaries" / target.fmi2_folder / library_name
+    n_samples = round(DURATION / INTERVAL)
+    arguments = [str(library), root.attrib["guid"], str(len(column_of)), str(n_samples)]
+    process = subprocess.run(
+        [*RUNNERS[platform], program, *arguments],
         capture_output=True,
         text=True,
         check=True,
-        env={**os.environ, **own},
+        env={**os.environ, "WINEPREFIX": str(fmu.parent / "wine"), "WINEDEBUG": "-all"},
     )
-    found = np.array([line.split() for line in done.stdout.splitlines()], dtype=float)
+    rows = [line.split() for line in process.stdout.splitlines()]
+    outputs = np.array(rows, dtype=float)
     trial = lc.swim(scenario, sample_interval=INTERVAL)
-    worst = [np.abs(found[:, number["mechanical_work"]] - trial.work[:, 0]).max()]
+    errors = [np.abs(outputs[:, column_of["mechanical_work"]] - trial.work[:, 0]).max()]
     for name in VECTORS:
         columns = [
-            i for variable, i in number.items() if variable.startswith((f"{name}[", f"{name}."))
+            column
+            for variable, column in column_of.items()
+            if variable.startswith((f"{name}[", f"{name}."))
         ]
-        worst.append(np.abs(found[:, columns] - getattr(trial, name)).max())
-    return float(max(worst))
+        errors.append(np.abs(outputs[:, columns] - getattr(trial, name)).max())
+    return float(max(errors))
 
 
 def answers(platforms: list[str]) -> Iterator[Answer]:
     """All cases on all platforms; on a platform that cannot be run, the error is not a number."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        programs = {one: driver(one, folder) for one in platforms if not missing(one)}
+        programs = {
+            platform: driver(platform, folder) for platform in platforms if not missing(platform)
+        }
         for k, (case, scenario) in enumerate(cases().items()):
             fmu = folder / f"case{k}.fmu"
             export_fmu(fmu, scenario, platform=platforms)
-            for one in platforms:
-                worst = error(scenario, one, fmu, programs[one]) if one in programs else math.nan
-                yield Answer(platform=one, case=case, error=worst)
-        yield Answer(
-            platform="aarch64", case=IN_C, error=in_c(folder) if "aarch64" in programs else math.nan
-        )
+            for platform in platforms:
+                largest_error = math.nan
+                if platform in programs:
+                    largest_error = error(scenario, platform, fmu, programs[platform])
+                yield Answer(platform=platform, case=case, error=largest_error)
+        error_in_c = math.nan
+        if "aarch64" in programs:
+            error_in_c = in_c(folder)
+        yield Answer(platform="aarch64", case=IN_C, error=error_in_c)
 
 
 def in_c(folder: Path) -> float:
     """How far the program of the page on `export c` ends from the same run in Python [m, rad]."""
-    (code,) = re.findall(
-        r'^```c title="main.c"\n(.*?)^```$',
-        PAGE.read_text(encoding="utf-8"),
-        re.MULTILINE | re.DOTALL,
-    )
+    page = PAGE.read_text(encoding="utf-8")
+    block = r'^```c title="main.c"\n(.*?)^```$'
+    (code,) = re.findall(block, page, re.MULTILINE | re.DOTALL)
     (folder / "main.c").write_text(code, encoding="utf-8")
     gait, water = replace(GAIT, frequency=math.radians(90)), lc.load_water("paper-lateral")
     export_c(folder / "snake.h", "mamba-fin", gait, static=True, platform="aarch64")
     zig = [sys.executable, "-m", "ziglang", "cc", "-target", "aarch64-linux-musl"]
     subprocess.run([*zig, "main.c", "libsnake.a", "-o", "main"], cwd=folder, check=True)
-    done = subprocess.run(
-        [RUNNERS["aarch64"][0], "./main"], cwd=folder, capture_output=True, text=True, check=True
+    emulator, *_ = RUNNERS["aarch64"]
+    process = subprocess.run(
+        [emulator, "./main"], cwd=folder, capture_output=True, text=True, check=True
     )
-    body: Any = lc.build_plant(lc.load_robot("mamba-fin"), replace(water, normal_drag=1.5))
-    gait = replace(gait, amplitude=0.5)
-    state = body.init(lc.Start(), Command(gait=gait))
-    for k in range(600):
-        now = Command(gait=gait if k < 200 else replace(gait, offset=0.1))
-        state, _, _ = body.march(state, now, INTERVAL, INTERVAL)
-    seen = body.observe(state)
-    return max(
-        abs(float(a) - b)
-        for a, b in zip(done.stdout.split(), (*seen.center_of_mass, seen.heading), strict=True)
-    )
+    end_in_c = np.array(process.stdout.split(), dtype=float)
+    plant: Any = lc.build_plant(lc.load_robot("mamba-fin"), replace(water, normal_drag=1.5))
+    straight = Command(gait=replace(gait, amplitude=0.5))
+    turning = Command(gait=replace(gait, amplitude=0.5, offset=0.1))
+    state = plant.init(lc.Start(), straight)
+    for command, n_steps in ((straight, 200), (turning, 400)):
+        for _ in range(n_steps):
+            state, _, _ = plant.march(state, command, INTERVAL, INTERVAL)
+    observation = plant.observe(state)
+    end = np.array([*observation.center_of_mass, observation.heading])
+    return float(np.max(np.abs(end_in_c - end)))
 
 
 def stored() -> list[Answer]:
@@ -215,21 +224,30 @@ def main() -> int:
     )
     parser.add_argument("--write", action="store_true", help="write platforms.csv")
     settings = parser.parse_args()
-    platforms = [one.name for one in PLATFORMS.values() if one.fmi2_folder]
-    kept = {(one.platform, one.case): one.error for one in stored()} if STORED.exists() else {}
-    found: list[Answer] = []
-    for one in answers(platforms):
-        lacks = missing(one.platform)
-        words = f"linked, not run: it would take {lacks}" if lacks else f"{one.error:.1e}"
-        before = kept.get((one.platform, one.case), math.nan)
-        print(f"{one.platform:14} {one.case:24} {words} (stored: {before:.1e})", flush=True)
-        found.append(one)
+    platforms = [platform.name for platform in PLATFORMS.values() if platform.fmi2_folder]
+    errors_before: dict[tuple[str, str], float] = {}
+    if STORED.exists():
+        errors_before = {(answer.platform, answer.case): answer.error for answer in stored()}
+    all_answers: list[Answer] = []
+    for answer in answers(platforms):
+        result = f"{answer.error:.1e}"
+        if missing(answer.platform):
+            result = f"linked, not run: it would take {missing(answer.platform)}"
+        before = errors_before.get((answer.platform, answer.case), math.nan)
+        print(f"{answer.platform:14} {answer.case:24} {result} (stored: {before:.1e})", flush=True)
+        all_answers.append(answer)
     if settings.write:
         with STORED.open("w", newline="", encoding="utf-8") as file:
             table = csv.DictWriter(file, ["platform", "case", "error"], lineterminator="\n")
             table.writeheader()
-            table.writerows({**asdict(one), "error": f"{one.error:.1e}"} for one in found)
-    return 0 if all(one.error < BOUND or missing(one.platform) for one in found) else 1
+            for answer in all_answers:
+                table.writerow({**asdict(answer), "error": f"{answer.error:.1e}"})
+    bad = [
+        answer
+        for answer in all_answers
+        if not answer.error < BOUND and not missing(answer.platform)
+    ]
+    return 1 if bad else 0
 
 
 if __name__ == "__main__":

@@ -34,45 +34,74 @@ import sys
 import tempfile
 import threading
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import IO, Any, NamedTuple
 
 import numpy as np
 
 PROGRAM = "import sys; from laticauda.cli import main; sys.exit(main())"
 STORED = Path(__file__).with_suffix(".csv")
-PATIENCE = 300.0  # for a program that compiles on a busy computer [s]
+PATIENCE = 300.0
+"""How long a program is waited for that compiles on a busy computer [s]."""
 CANARY = "stranger_canary"
-Row = tuple[str, str, str]
+"""Name of a module that nobody must import."""
+
+
+class Row(NamedTuple):
+    """A line of the answer."""
+
+    question: str
+    asked: str
+    answer: str
 
 
 # ---- programs ------------------------------------------------------------------------------------
 
 
+@dataclass(frozen=True, kw_only=True)
+class Served:
+    """A command that serves."""
+
+    process: subprocess.Popen[str]
+    facts: dict[str, Any]
+    """What the line says that it prints first."""
+    errors: IO[str]
+    """What it writes to its standard error."""
+
+    @property
+    def pid(self) -> int:
+        return self.process.pid
+
+    def read_errors(self) -> str:
+        self.errors.flush()
+        self.errors.seek(0)
+        return self.errors.read()
+
+
 @contextlib.contextmanager
-def serving(
-    words: str, *, inside: tuple[str, ...] = (), **environment: str
-) -> Iterator[tuple[Any, dict[str, Any]]]:
-    """A command that serves, and the line that it prints."""
-    run = [*inside, sys.executable, "-c", PROGRAM, *words.split()]
-    with tempfile.TemporaryFile("w+") as told:
+def serving(words: str, *, inside: tuple[str, ...] = ()) -> Iterator[Served]:
+    """A command that serves, from its first line until it is interrupted."""
+    command = [*inside, sys.executable, "-c", PROGRAM, *words.split()]
+    with tempfile.TemporaryFile("w+") as errors:
         process = subprocess.Popen(
-            run,
+            command,
             stdout=subprocess.PIPE,
-            stderr=told,
+            stderr=errors,
             text=True,
-            env=os.environ | environment,
             stdin=subprocess.DEVNULL,
         )
         try:
             assert process.stdout is not None
             line = process.stdout.readline()
-            told.seek(0)
-            assert line, f"{words}: {told.read()}"
-            facts = json.loads(line) if line.startswith("{") else {}
-            process.said = lambda: (told.flush(), told.seek(0), told.read())[-1]  # type: ignore[attr-defined]
-            yield process, facts
+            errors.seek(0)
+            assert line, f"{words}: {errors.read()}"
+            facts: dict[str, Any] = {}
+            if line.startswith("{"):
+                facts = json.loads(line)
+            yield Served(process=process, facts=facts, errors=errors)
         finally:
             process.send_signal(signal.SIGINT)
             try:
@@ -82,10 +111,11 @@ def serving(
                 process.wait()
 
 
-def megabytes(pid: int, what: str = "VmRSS") -> float:
+def megabytes(pid: int, field: str = "VmRSS") -> float:
     """Memory of a process: now, or the most that it ever was (VmHWM) [MB]."""
     status = Path(f"/proc/{pid}/status").read_text()
-    return int(status.split(f"{what}:")[1].split()[0]) * 1024 / 1e6
+    kilobytes, *_ = status.split(f"{field}:")[1].split()
+    return int(kilobytes) * 1024 / 1e6
 
 
 class Client:
@@ -104,6 +134,14 @@ class Client:
         with contextlib.suppress(OSError):
             self.stream.close()
         self.wire.close()
+
+
+def is_answered(port: int) -> bool:
+    """Whether a client of this computer gets an answer of `serve`."""
+    client = Client(port)
+    reply = client.ask("reset")
+    client.close()
+    return "observation" in reply
 
 
 # ---- listeners -----------------------------------------------------------------------------------
@@ -129,99 +167,115 @@ def sockets_of(pid: int) -> set[str]:
     """Where a process and its children listen, or take datagrams."""
     import psutil
 
-    found = set[str]()
-    for one in (process := psutil.Process(pid), *process.children(recursive=True)):
+    sockets = set[str]()
+    parent = psutil.Process(pid)
+    for process in (parent, *parent.children(recursive=True)):
         with contextlib.suppress(psutil.NoSuchProcess, psutil.ZombieProcess):
-            for each in one.net_connections(kind="inet"):
-                if each.laddr and (
-                    each.status == psutil.CONN_LISTEN or each.type == socket.SOCK_DGRAM
-                ):
-                    found.add(
-                        f"{'tcp' if each.type == socket.SOCK_STREAM else 'udp'} {each.laddr.ip}:{each.laddr.port}"
-                    )
-    return found
+            for connection in process.net_connections(kind="inet"):
+                is_datagram = connection.type == socket.SOCK_DGRAM
+                listens = connection.status == psutil.CONN_LISTEN
+                if connection.laddr and (is_datagram or listens):
+                    protocol = "udp" if is_datagram else "tcp"
+                    address = connection.laddr
+                    sockets.add(f"{protocol} {address.ip}:{address.port}")
+    return sockets
+
+
+def host_of(address: str) -> str:
+    """The host of an address PROTOCOL HOST:PORT."""
+    host, _, _ = address.split()[1].rpartition(":")
+    return host
 
 
 def is_here(address: str) -> bool:
     """Whether only this computer can reach it: loopback, or a group (whose interface `groups` says)."""
-    number = ipaddress.ip_address(address.split()[1].rpartition(":")[0])
+    number = ipaddress.ip_address(host_of(address))
     return number.is_loopback or number.is_multicast
 
 
 def groups(group: str) -> set[str]:
     """The interfaces on which a group was joined."""
-    number, device, found = socket.inet_aton(group)[::-1].hex().upper(), "", set[str]()
+    number_of_group = socket.inet_aton(group)[::-1].hex().upper()
+    interfaces = set[str]()
+    interface = ""
     for line in Path("/proc/net/igmp").read_text().splitlines()[1:]:
         words = line.split()
         if not line.startswith("\t"):
-            device = words[1]
-        elif words[0] == number:
-            found.add(device)
-    return found
+            interface = words[1]
+        elif words[0] == number_of_group:
+            interfaces.add(interface)
+    return interfaces
 
 
 def listeners(options: argparse.Namespace) -> Iterator[Row]:
     for name, words in SERVERS.items():
-        with serving(words) as (process, _):
-            found, joined = set[str](), set[str]()
-            for _ in range(40 if "lab" in name else 4):  # a listener tries again and again
-                found |= sockets_of(process.pid)
-                joined |= groups("239.74.163.77")
-                time.sleep(0.25)
-            where = ", ".join(
-                sorted(f"{one.split()[0]} {one.split()[1].rpartition(':')[0]}" for one in found)
-            )
-            good = found and all(map(is_here, found)) and joined <= {"lo"}
-            interfaces = f", joined on {', '.join(joined)}" if joined else ""
-            yield (
-                "listeners",
-                name,
-                f"{'loopback' if good else 'BEYOND LOOPBACK'}: {where}{interfaces}",
-            )
-    with tempfile.TemporaryDirectory() as folder:
+        yield Row("listeners", name, look_at_server(name, words))
+    with tempfile.TemporaryDirectory() as folder_name:
         import laticauda as lc
 
-        run, trial = (
-            Path(folder) / "run.nc",
-            Path(__file__).parent.parent / "examples" / "lab" / "trial.toml",
-        )
-        lc.swim(
-            "mamba", lc.lateral_undulation(amplitude=0.5, frequency=2.3, phase_shift=0.7), 20.0
-        ).save(run)
+        folder = Path(folder_name)
+        gait = lc.lateral_undulation(amplitude=0.5, frequency=2.3, phase_shift=0.7)
+        lc.swim("mamba", gait, 20.0).save(folder / "run.nc")
         for name, words in OTHERS.items():
-            words = (
-                words.replace("RUN", str(run))
-                .replace("OUT", f"{folder}/{name}")
-                .replace("TRIAL", str(trial))
-            )
-            found: set[str] = set()
-            process = subprocess.Popen(
-                [sys.executable, "-c", PROGRAM, *words.split()],
-                stdout=subprocess.DEVNULL,
-                stderr=subprocess.DEVNULL,
-            )
-            end = time.monotonic() + 15.0
-            while process.poll() is None and time.monotonic() < end:
-                with contextlib.suppress(Exception):  # it may end at any moment
-                    found |= sockets_of(process.pid)
-                time.sleep(0.02)
-            process.kill()
-            process.wait()
-            good = all(map(is_here, found))
-            yield (
-                "listeners",
-                name,
-                f"{'loopback' if good else 'BEYOND LOOPBACK'}: {', '.join(sorted(found)) or 'none'}",
-            )
+            yield Row("listeners", name, look_at_other(fill_in(words, folder, name)))
+
+
+def look_at_server(name: str, words: str) -> str:
+    """Where a command that serves listens."""
+    sockets = set[str]()
+    interfaces = set[str]()
+    n_looks = 40 if "lab" in name else 4  # a listener tries again and again
+    with serving(words) as served:
+        for _ in range(n_looks):
+            sockets |= sockets_of(served.pid)
+            interfaces |= groups("239.74.163.77")
+            time.sleep(0.25)
+    is_good = bool(sockets) and all(map(is_here, sockets)) and interfaces <= {"lo"}
+    places = sorted(f"{address.split()[0]} {host_of(address)}" for address in sockets)
+    answer = f"{verdict_on_place(is_good)}: {', '.join(places)}"
+    if interfaces:
+        answer += f", joined on {', '.join(interfaces)}"
+    return answer
+
+
+def look_at_other(words: str) -> str:
+    """Where a command listens that should listen nowhere."""
+    sockets = set[str]()
+    process = subprocess.Popen(
+        [sys.executable, "-c", PROGRAM, *words.split()],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    end = time.monotonic() + 15.0
+    while process.poll() is None and time.monotonic() < end:
+        with contextlib.suppress(Exception):  # it may end at any moment
+            sockets |= sockets_of(process.pid)
+        time.sleep(0.02)
+    process.kill()
+    process.wait()
+    is_good = all(map(is_here, sockets))
+    return f"{verdict_on_place(is_good)}: {', '.join(sorted(sockets)) or 'none'}"
+
+
+def fill_in(words: str, folder: Path, name: str) -> str:
+    """A command of `OTHERS`, with the files that it reads and writes."""
+    trial = Path(__file__).parent.parent / "examples" / "lab" / "trial.toml"
+    words = words.replace("RUN", str(folder / "run.nc"))
+    words = words.replace("OUT", str(folder / name))
+    return words.replace("TRIAL", str(trial))
+
+
+def verdict_on_place(is_good: bool) -> str:
+    return "loopback" if is_good else "BEYOND LOOPBACK"
 
 
 # ---- tokens --------------------------------------------------------------------------------------
 
 ASKING = """
 import http.client, json, socket, sys
-what, host, port, token = sys.argv[1:]
+server, host, port, token = sys.argv[1:]
 try:
-    if what == "serve":
+    if server == "serve":
         wire = socket.create_connection((host, int(port)), timeout=30)
         wire.sendall(json.dumps({"do": "reset", **({"token": token} if token else {})}).encode() + b"\\n")
         reply = json.loads(wire.makefile("rb").readline())
@@ -233,80 +287,115 @@ try:
         import viser, websockets.sync.client as client
         try:
             with client.connect(f"ws://{host}:{port}/{token}", subprotocols=[f"viser-v{viser.__version__}"]) as wire:
-                got = len(wire.recv(timeout=30)) > 0
+                has_answered = len(wire.recv(timeout=30)) > 0
         except Exception:
-            got = False
-        said = {(200, True): "answered", (403, False): "refused"}
-        print(said.get((page.status, got), page.status))
+            has_answered = False
+        answers = {(200, True): "answered", (403, False): "refused"}
+        print(answers.get((page.status, has_answered), page.status))
 except OSError:
     print("not reached")
 """
 
 
+class Network(NamedTuple):
+    """Two computers, or what stands for them."""
+
+    address: str
+    """Address of the first."""
+    on_first: tuple[str, ...]
+    """What to write before a command so that it runs on the first."""
+    on_second: tuple[str, ...]
+    """What to write before a command so that it runs on the second; nothing if there is only one."""
+
+
+def run_ip(words: str) -> bool:
+    """Whether the command `ip` succeeds."""
+    return subprocess.run(["ip", *words.split()], capture_output=True).returncode == 0
+
+
+def connect_namespaces(near: str, far: str) -> bool:
+    """Make two network namespaces with a veth between them; whether that can be done."""
+    return (
+        shutil.which("ip") is not None
+        and run_ip(f"netns add {near}")
+        and run_ip(f"netns add {far}")
+        and run_ip(f"link add {near} netns {near} type veth peer name {far} netns {far}")
+    )
+
+
+def own_address() -> str:
+    """This computer's own address."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.connect(("192.0.2.1", 9))  # nothing is sent
+        return probe.getsockname()[0]
+
+
 @contextlib.contextmanager
-def other_computer() -> Iterator[tuple[str, tuple[str, ...], tuple[str, ...]]]:
-    """An address, and what to write before a command so that it runs there, and on another computer."""
-    near, far = f"lt{os.getpid() % 10000}a", f"lt{os.getpid() % 10000}b"
-
-    def ip(words: str) -> bool:
-        return subprocess.run(["ip", *words.split()], capture_output=True).returncode == 0
-
-    made = shutil.which("ip") is not None and ip(f"netns add {near}") and ip(f"netns add {far}")
-    made = made and ip(f"link add {near} netns {near} type veth peer name {far} netns {far}")
+def other_computer() -> Iterator[Network]:
+    """Two network namespaces, or this computer alone."""
+    near = f"lt{os.getpid() % 10000}a"
+    far = f"lt{os.getpid() % 10000}b"
+    addresses = {near: "10.211.7.1", far: "10.211.7.2"}
     try:
-        if made:
-            for name, address in ((near, "10.211.7.1/30"), (far, "10.211.7.2/30")):
-                for words in (
-                    f"addr add {address} dev {name}",
-                    f"link set {name} up",
-                    "link set lo up",
-                ):
-                    assert ip(f"-n {name} {words}")
-            yield "10.211.7.1", ("ip", "netns", "exec", near), ("ip", "netns", "exec", far)
-        else:
-            with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-                probe.connect(("192.0.2.1", 9))  # nothing is sent
-                yield probe.getsockname()[0], (), ()
+        if not connect_namespaces(near, far):
+            yield Network(own_address(), (), ())
+            return
+        for name, address in addresses.items():
+            assert run_ip(f"-n {name} addr add {address}/30 dev {name}")
+            assert run_ip(f"-n {name} link set {name} up")
+            assert run_ip(f"-n {name} link set lo up")
+        on_first = ("ip", "netns", "exec", near)
+        on_second = ("ip", "netns", "exec", far)
+        yield Network(addresses[near], on_first, on_second)
     finally:
-        for name in (near, far):
-            ip(f"netns del {name}")
+        for name in addresses:
+            run_ip(f"netns del {name}")
+
+
+class Door(NamedTuple):
+    """Where a server is, and what it asks for."""
+
+    port: str
+    token: str
+    """"" if it asks for none."""
+
+
+def door_of(name: str, facts: dict[str, Any]) -> Door:
+    """What the first line of a server says."""
+    if name == "serve":
+        return Door(str(facts["port"]), facts["token"])
+    _, _, port_and_path = facts["address"].removeprefix("http://").rpartition(":")
+    port, _, path = port_and_path.partition("/")
+    return Door(port, path.strip("/"))
 
 
 def tokens(options: argparse.Namespace) -> Iterator[Row]:
-    with other_computer() as (address, here, there):
-        way = "from another network namespace" if there else "by this computer's own address"
-        for name, words in (
-            ("serve", "serve --json --port 0"),
-            ("cockpit", "cockpit --json --port 0"),
-        ):
+    with other_computer() as network:
+        way = "by this computer's own address"
+        if network.on_second:
+            way = "from another network namespace"
+        for name in ("serve", "cockpit"):
             for host in ("127.0.0.1", "0.0.0.0"):
-                with serving(f"{words} --host {host}", inside=here) as (_, facts):
-                    if name == "serve":
-                        port, token = facts["port"], facts["token"]
-                    else:
-                        port, _, rest = (
-                            facts["address"]
-                            .removeprefix("http://")
-                            .rpartition(":")[2]
-                            .partition("/")
-                        )
-                        token = rest.strip("/")
-                    said = {"no token": "", "a wrong one": "a" * 24, "the token": token}
-                    found = list[str]()
-                    for what, given in said.items() if token else [("no token", "")]:
-                        run = [
-                            *there,
-                            sys.executable,
-                            "-c",
-                            ASKING,
-                            name,
-                            address,
-                            str(port),
-                            given,
-                        ]
-                        done = subprocess.run(run, capture_output=True, text=True, timeout=PATIENCE)
-                        found.append(f"{what}: {done.stdout.strip() or done.stderr[-200:]}")
-                    yield "tokens", f"{name} --host {host}, {way}", "; ".join(found)
+                words = f"{name} --json --port 0 --host {host}"
+                with serving(words, inside=network.on_first) as served:
+                    door = door_of(name, served.facts)
+                    answers = ask_with_tokens(network, name, door)
+                yield Row("tokens", f"{name} --host {host}, {way}", "; ".join(answers))
+
+
+def ask_with_tokens(network: Network, name: str, door: Door) -> list[str]:
+    """What a server answers to another computer, without a token and with some."""
+    tried = {"no token": ""}
+    if door.token:
+        tried |= {"a wrong one": "a" * 24, "the token": door.token}
+    command = [*network.on_second, sys.executable, "-c", ASKING, name, network.address, door.port]
+    answers = list[str]()
+    for title, token in tried.items():
+        process = subprocess.run(
+            [*command, token], capture_output=True, text=True, timeout=PATIENCE
+        )
+        answers.append(f"{title}: {process.stdout.strip() or process.stderr[-200:]}")
+    return answers
 
 
 # ---- origins -------------------------------------------------------------------------------------
@@ -343,98 +432,112 @@ class Counted:
     def __init__(self) -> None:
         from laticauda.connect import server
 
-        self.done, usual, counted = 0, server.Session, self
+        self.n_done = 0
+        counter = self
+        original = server.Session
 
-        class Counting(usual):
+        class Counting(original):
             def answer(self, line: bytes) -> bytes:
-                counted.done += 1
+                counter.n_done += 1
                 return super().answer(line)
 
         server.Session = Counting  # type: ignore[misc]
-        self.undo = lambda: setattr(server, "Session", usual)
+        self.undo = lambda: setattr(server, "Session", original)
+
+
+class StrangersPage(http.server.BaseHTTPRequestHandler):
+    """A page of somebody else's."""
+
+    def do_GET(self) -> None:
+        self.send_response(200)
+        self.send_header("Content-Type", "text/html")
+        self.end_headers()
+        self.wfile.write(b"<html><body>a page of somebody else's</body></html>")
+
+    def log_message(self, *_: Any) -> None: ...
+
+
+REBOUND = "a rebound host name"
+"""Way of an attack: the page came while the name still led elsewhere."""
 
 
 def origins(options: argparse.Namespace) -> Iterator[Row]:
-    import viser
     from playwright.sync_api import sync_playwright
 
     from laticauda.connect import Server
 
-    class Page(http.server.BaseHTTPRequestHandler):
-        def do_GET(self) -> None:
-            self.send_response(200)
-            self.send_header("Content-Type", "text/html")
-            self.end_headers()
-            self.wfile.write(b"<html><body>a page of somebody else's</body></html>")
-
-        def log_message(self, *_: Any) -> None: ...
-
-    chromium, protocol, counted = shutil.which("chromium"), f"viser-v{viser.__version__}", Counted()
-    evil = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Page)
-    threading.Thread(target=evil.serve_forever, daemon=True).start()
+    counted = Counted()
+    strangers_server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), StrangersPage)
+    threading.Thread(target=strangers_server.serve_forever, daemon=True).start()
     rules = "--host-resolver-rules=MAP evil.example 127.0.0.1"
     try:
         with (
-            serving("cockpit --json --port 0") as (_, facts),
+            serving("cockpit --json --port 0") as cockpit,
             Server(port=0) as server,
             sync_playwright() as playwright,
         ):
-            ports = {"cockpit": int(facts["address"].rpartition(":")[2]), "serve": server.port}
-            found = playwright.chromium.launch(
-                executable_path=chromium, args=["--no-sandbox", rules]
+            chromium = playwright.chromium.launch(
+                executable_path=shutil.which("chromium"), args=["--no-sandbox", rules]
             )
-            for name, port in ports.items():
-                ways = {
-                    "its own page": f"http://127.0.0.1:{port}",
-                    "a page of another port": f"http://127.0.0.1:{evil.server_port}",
-                    "a page of another host": f"http://evil.example:{evil.server_port}",
-                    "a rebound host name": f"http://evil.example:{port}",
-                }
-                for way, origin in ways.items():
-                    if name == "serve" and way == "its own page":
-                        continue  # it has none
-                    page, before = found.new_page(), counted.done
-                    rebound = "evil.example" if "rebound" in way else "127.0.0.1"
-                    if (
-                        way == "a rebound host name"
-                    ):  # the page came while the name still led elsewhere
-                        page.route(
-                            "**/attack",
-                            lambda route: route.fulfill(
-                                body="<html></html>", content_type="text/html"
-                            ),
-                        )
-                        page.goto(f"{origin}/attack")
-                    else:
-                        page.goto(origin)
-                    got = page.evaluate(
-                        ATTACK, [f"http://{rebound}:{port}/", f"ws://{rebound}:{port}/", protocol]
-                    )
-                    page.close()
-                    given = {kind: what for kind, what in got.items() if what != "nothing"}
-                    shown = (
-                        ", ".join(f"{kind} {what} characters" for kind, what in given.items())
-                        or "nothing"
-                    )
-                    done = f"; requests done: {counted.done - before}" if name == "serve" else ""
-                    yield "origins", f"{name}, {way}", f"gets {shown}{done}"
-            own = Client(server.port)
-            known = "observation" in own.ask("reset")
-            own.close()
-            yield (
-                "origins",
-                "serve, a client of this computer",
-                f"gets {'its answers' if known else 'NOTHING'}",
-            )
-            found.close()
+            cockpit_port = int(cockpit.facts["address"].rpartition(":")[2])
+            pages = pages_that_attack(cockpit_port, strangers_server.server_port)
+            for way, origin in pages.items():
+                loot = attack(chromium, way, origin, cockpit_port)
+                yield Row("origins", f"cockpit, {way}", f"gets {loot}")
+            pages = pages_that_attack(server.port, strangers_server.server_port)
+            del pages["its own page"]  # it has none
+            for way, origin in pages.items():
+                n_before = counted.n_done
+                loot = attack(chromium, way, origin, server.port)
+                n_done = counted.n_done - n_before
+                yield Row("origins", f"serve, {way}", f"gets {loot}; requests done: {n_done}")
+            loot = "its answers" if is_answered(server.port) else "NOTHING"
+            yield Row("origins", "serve, a client of this computer", f"gets {loot}")
+            chromium.close()
     finally:
         counted.undo()
-        evil.shutdown()
+        strangers_server.shutdown()
+
+
+def pages_that_attack(port: int, strangers_port: int) -> dict[str, str]:
+    """Origins of pages that attack a server, by their way."""
+    return {
+        "its own page": f"http://127.0.0.1:{port}",
+        "a page of another port": f"http://127.0.0.1:{strangers_port}",
+        "a page of another host": f"http://evil.example:{strangers_port}",
+        REBOUND: f"http://evil.example:{port}",
+    }
+
+
+def attack(chromium: Any, way: str, origin: str, port: int) -> str:
+    """What a page gets of a server on a port."""
+    import viser
+
+    page = chromium.new_page()
+    target = f"127.0.0.1:{port}"
+    if way == REBOUND:
+        target = f"evil.example:{port}"
+        page.route(
+            "**/attack",
+            lambda route: route.fulfill(body="<html></html>", content_type="text/html"),
+        )
+        page.goto(f"{origin}/attack")
+    else:
+        page.goto(origin)
+    protocol = f"viser-v{viser.__version__}"
+    results = page.evaluate(ATTACK, [f"http://{target}/", f"ws://{target}/", protocol])
+    page.close()
+    loot = [
+        f"{kind} {n_characters} characters"
+        for kind, n_characters in results.items()
+        if n_characters != "nothing"
+    ]
+    return ", ".join(loot) or "nothing"
 
 
 # ---- greedy clients ------------------------------------------------------------------------------
 
-ALL = (
+ALL_SERIES = (
     "link_angle",
     "joint_angle",
     "joint_rate",
@@ -449,26 +552,29 @@ def hoard(client: Client, chance: random.Random) -> None:
     """Fill a log with as much as is allowed, and ask for all of it again and again."""
     n = chance.choice((9, 50, 200))
     client.ask("reset", robot="mamba", n_links=n, sample_interval=1e-3)
-    longest = client.ask("step", duration=1e4).get("error", "")
-    most = float(longest.split("<= ")[1].split()[0]) if "<= " in longest else 0.5
+    refusal = client.ask("step", duration=1e4).get("error", "")
+    longest = 0.5
+    if "<= " in refusal:
+        longest = float(refusal.split("<= ")[1].split()[0])
     for _ in range(3):
-        client.ask("step", duration=0.99 * most)
-        client.ask("get", series=list(ALL))
+        client.ask("step", duration=0.99 * longest)
+        client.ask("get", series=list(ALL_SERIES))
         client.ask("get", series=["link_angle"])
 
 
 def swallow(client: Client, chance: random.Random) -> None:
     """Ask for large answers ahead, and read none of them."""
-    line = {
+    request = {
         "do": "run",
         "duration": 20,
         "sample_interval": 0.01,
         "series": ["joint_angle"],
         "n_links": 150,
     }
+    line = json.dumps(request) + "\n"
     client.wire.settimeout(5.0)
     with contextlib.suppress(OSError):
-        client.wire.sendall((json.dumps(line) + "\n").encode() * 50)
+        client.wire.sendall(line.encode() * 50)
         time.sleep(5.0)
 
 
@@ -476,10 +582,9 @@ def babble(client: Client, chance: random.Random) -> None:
     """The largest requests that there may be, of what takes the most memory when it is read."""
     for _ in range(5):
         piece = chance.choice(("[]", "{}", '{"a":0}', '"a"', "1e3", "[[[]]]"))
-        client.stream.write(
-            b'{"do":"reset","references":['
-            + ",".join([piece] * (1_000_000 // (len(piece) + 1))).encode()
-        )
+        n_pieces = 1_000_000 // (len(piece) + 1)
+        references = ",".join([piece] * n_pieces).encode()
+        client.stream.write(b'{"do":"reset","references":[' + references)
         client.stream.write(b"]}\n")
         client.stream.flush()
         client.stream.readline()
@@ -499,46 +604,46 @@ def shift(client: Client, chance: random.Random) -> None:
 GREED = (hoard, swallow, babble, hoard, hoard, shift)
 
 
-def feast(port: int, clients: int, seconds: float, seed: int) -> int:
-    """Greedy clients for so long; how many requests series they got through."""
-    end, count = time.monotonic() + seconds, [0] * clients
+def send_greedy_clients(port: int, n_clients: int, seconds: float, seed: int) -> int:
+    """Greedy clients for so long; how many visits they made."""
+    end = time.monotonic() + seconds
+    n_visits = [0] * n_clients
 
-    def eat(i: int) -> None:
+    def visit(i: int) -> None:
         chance = random.Random(f"{seed} {i}")
         for k in range(10_000):
+            be_greedy = GREED[(i + k) % len(GREED)]
             with contextlib.suppress(OSError, ValueError):
                 client = Client(port)
                 try:
-                    GREED[(i + k) % len(GREED)](client, chance)
+                    be_greedy(client, chance)
                 finally:
                     client.close()
-                count[i] += 1
+                n_visits[i] += 1
             if time.monotonic() > end:
                 return
 
-    threads = [threading.Thread(target=eat, args=(i,)) for i in range(clients)]
+    threads = [threading.Thread(target=visit, args=(i,)) for i in range(n_clients)]
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join()
-    return sum(count)
+    return sum(n_visits)
 
 
 def greedy(options: argparse.Namespace) -> Iterator[Row]:
-    with serving("serve --json --port 0") as (process, facts):
-        before = megabytes(process.pid)
-        count = feast(facts["port"], 16, options.seconds, options.seed)
-        good, end = Client(facts["port"]), time.monotonic()
-        known = "observation" in good.ask("reset")
-        took = time.monotonic() - end
-        good.close()
-        most, after = megabytes(process.pid, "VmHWM"), megabytes(process.pid)
-        answer = f"most {most:.0f} MB, before {before:.0f} MB, after {after:.0f} MB; {count} visits"
-        yield (
-            "greedy",
-            f"16 clients, {options.seconds:g} s",
-            answer if known else f"NOT ANSWERED AFTER {took:.0f} s",
-        )
+    with serving("serve --json --port 0") as served:
+        port = served.facts["port"]
+        before = megabytes(served.pid)
+        n_visits = send_greedy_clients(port, 16, options.seconds, options.seed)
+        start = time.monotonic()
+        is_friend_answered = is_answered(port)
+        time_taken = time.monotonic() - start
+        most, after = megabytes(served.pid, "VmHWM"), megabytes(served.pid)
+    answer = f"most {most:.0f} MB, before {before:.0f} MB, after {after:.0f} MB; {n_visits} visits"
+    if not is_friend_answered:
+        answer = f"NOT ANSWERED AFTER {time_taken:.0f} s"
+    yield Row("greedy", f"16 clients, {options.seconds:g} s", answer)
 
 
 # ---- hostile conversations -----------------------------------------------------------------------
@@ -558,16 +663,27 @@ VALUES: tuple[Any, ...] = (
 )  # fmt: skip
 
 
+OTHER_LINES = (
+    b"GET / HTTP/1.1\r",
+    b"\x16\x03\x01\x02\x00",
+    b"NaN",
+    b'{"do":"step","duration":Infinity}',
+)
+"""Lines of other protocols, and numbers that JSON does not have."""
+RESET_AT_CLOSE = b"\x01\x00\x00\x00\x00\x00\x00\x00"
+"""Value of SO_LINGER with which closing resets the connection."""
+
+
 def hostile_line(chance: random.Random) -> bytes:
     """One line that a friend would not send."""
     kind = chance.randrange(8)
     if kind == 0:
         return chance.randbytes(chance.choice((1, 10, 1000))).replace(b"\n", b"")
-    message = {"do": chance.choice(("reset", "step", "set", "get", "run"))}
+    message: dict[str, Any] = {"do": chance.choice(("reset", "step", "set", "get", "run"))}
     if message["do"] == "step" and chance.random() < 0.5:
-        message["duration"] = chance.choice((0.05, 0.2))  # type: ignore[assignment]
+        message["duration"] = chance.choice((0.05, 0.2))
     if message["do"] == "run":
-        message["duration"] = 0.5  # type: ignore[assignment]
+        message["duration"] = 0.5
     for name in chance.sample(FIELDS, chance.choice((0, 1, 1, 2, 4))):
         message[name] = chance.choice(VALUES)
     line = json.dumps(message).encode()
@@ -580,14 +696,7 @@ def hostile_line(chance: random.Random) -> bytes:
         depth = chance.choice((10, 1000, 100_000))
         return b'{"do":"reset","gait":' + chance.choice((b"[", b'{"gait":')) * depth
     if kind == 4:
-        return chance.choice(
-            (
-                b"GET / HTTP/1.1\r",
-                b"\x16\x03\x01\x02\x00",
-                b"NaN",
-                b'{"do":"step","duration":Infinity}',
-            )
-        )
+        return chance.choice(OTHER_LINES)
     return line
 
 
@@ -604,16 +713,14 @@ def converse(port: int, chance: random.Random) -> str:
                 break
             if not line.strip():
                 continue
-            said = stream.readline()
-            if not said:
+            answer = stream.readline()
+            if not answer:
                 break
-            reply = json.loads(said)
+            reply = json.loads(answer)
             if "The server failed" in str(reply.get("error", "")):
                 return f"{line[:200]!r}: {reply['error']}"
         if chance.random() < 0.2:
-            wire.setsockopt(
-                socket.SOL_SOCKET, socket.SO_LINGER, b"\x01\x00\x00\x00\x00\x00\x00\x00"
-            )
+            wire.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, RESET_AT_CLOSE)
     except OSError:
         pass
     finally:
@@ -623,36 +730,31 @@ def converse(port: int, chance: random.Random) -> str:
     return ""
 
 
-def talked(port: int, count: int, seed: int) -> list[str]:
+def converse_often(port: int, n_talks: int, seed: int) -> list[str]:
     """So many conversations; what was wrong."""
-    found = list[str]()
-    for k in range(count):
-        if wrong := converse(port, random.Random(f"{seed} {k}")):
-            found.append(wrong)
-        if k % 100 == 99:
-            good = Client(port)
-            if "observation" not in good.ask("reset"):
-                found.append(f"no answer to a friend after {k + 1}")
-            good.close()
-    return found
+    faults = list[str]()
+    for k in range(n_talks):
+        fault = converse(port, random.Random(f"{seed} {k}"))
+        if fault:
+            faults.append(fault)
+        if k % 100 == 99 and not is_answered(port):
+            faults.append(f"no answer to a friend after {k + 1}")
+    return faults
 
 
 def talks(options: argparse.Namespace) -> Iterator[Row]:
-    with serving("serve --json --port 0") as (process, facts):
-        talked(facts["port"], 200, options.seed + 1)  # what is compiled and kept is compiled now
-        before = megabytes(process.pid)
-        found = talked(facts["port"], options.talks, options.seed)
-        grown = megabytes(process.pid) - before
-        traces = process.said().count("Traceback")
-        alive = process.poll() is None
-    faults = f"{len(found)} faults, {traces} tracebacks"
-    yield (
-        "talks",
-        f"{options.talks} conversations",
-        f"{faults}, {'alive' if alive else 'DEAD'}, {grown:+.0f} MB",
-    )
-    for wrong in found[:5]:
-        yield "talks", "fault", wrong
+    with serving("serve --json --port 0") as served:
+        port = served.facts["port"]
+        converse_often(port, 200, options.seed + 1)  # what is compiled and kept is compiled now
+        before = megabytes(served.pid)
+        faults = converse_often(port, options.talks, options.seed)
+        growth = megabytes(served.pid) - before
+        n_tracebacks = served.read_errors().count("Traceback")
+        state = "alive" if served.process.poll() is None else "DEAD"
+    answer = f"{len(faults)} faults, {n_tracebacks} tracebacks, {state}, {growth:+.0f} MB"
+    yield Row("talks", f"{options.talks} conversations", answer)
+    for fault in faults[:5]:
+        yield Row("talks", "fault", fault)
 
 
 # ---- code ----------------------------------------------------------------------------------------
@@ -676,127 +778,177 @@ class Evil:
         return os.system, (f"echo {CANARY} > $STRANGER_MARK",)
 
 
-def poisoned(folder: Path, seed: int) -> list[tuple[str, Callable[[], object]]]:
+class Case(NamedTuple):
+    """A poisoned input."""
+
+    kind: str
+    work: Callable[[], object]
+    """Takes it in."""
+
+
+WORDS = (
+    CANARY,
+    f"{CANARY}:Evil",
+    f"{CANARY}.Evil",
+    f"__import__('{CANARY}')",
+    f"!!python/name:{CANARY}.Evil",
+)
+"""Names and expressions that nobody must import, or compute."""
+TEXTS_OF_FILES = (b"mamba", b"lateral", b"planar", b"polynomial", b"prescribed", b"laticauda")
+"""Texts that stand in files of trials."""
+
+
+def poisoned(folder: Path, seed: int) -> list[Case]:
     """Files and messages in which names, expressions and pickles stand where texts, numbers and arrays should."""
     import laticauda as lc
-    from laticauda import scenarios
-    from laticauda.connect import Session
 
     chance = random.Random(seed)
-    words = (
-        CANARY,
-        f"{CANARY}:Evil",
-        f"{CANARY}.Evil",
-        f"__import__('{CANARY}')",
-        f"!!python/name:{CANARY}.Evil",
-    )
     gait = lc.lateral_undulation(amplitude=0.5, frequency=2.3, phase_shift=0.7)
     trial = lc.swim("mamba", gait, 1.0)
-    cases = list[tuple[str, Callable[[], object]]]()
-    toml = scenarios.run_to_toml(lc.build_scenario("mamba", gait, 1.0))
-    lines = toml.splitlines()
-    for k in [i for i, line in enumerate(lines) if "=" in line]:
-        name = lines[k].split("=")[0]
-        changed = "\n".join([*lines[:k], f'{name}= "{chance.choice(words)}"', *lines[k + 1 :]])
-        cases.append(("scenario", functools.partial(scenarios.run_from_toml, changed)))
-        kind = "\n".join(
-            [*lines[:k], f'{name}= {{kind = "{chance.choice(words)}"}}', *lines[k + 1 :]]
-        )
-        cases.append(("scenario", functools.partial(scenarios.run_from_toml, kind)))
+    return [
+        *poisoned_scenarios(lc.build_scenario("mamba", gait, 1.0), chance),
+        *poisoned_messages(chance),
+        *poisoned_files(trial, folder),
+        *poisoned_objects(folder),
+        *poisoned_attributes(trial, folder, chance),
+    ]
+
+
+def poisoned_scenarios(scenario: Any, chance: random.Random) -> Iterator[Case]:
+    from laticauda import scenarios
+
+    lines = scenarios.run_to_toml(scenario).splitlines()
+    for k, line in enumerate(lines):
+        if "=" not in line:
+            continue
+        key = line.split("=")[0]
+        for value in (f'"{chance.choice(WORDS)}"', f'{{kind = "{chance.choice(WORDS)}"}}'):
+            text = "\n".join([*lines[:k], f"{key}= {value}", *lines[k + 1 :]])
+            yield Case("scenario", functools.partial(scenarios.run_from_toml, text))
+
+
+def poisoned_messages(chance: random.Random) -> Iterator[Case]:
+    from laticauda.connect import Session
+
     for name in FIELDS[4:]:
-        for given in (chance.choice(words), {"kind": chance.choice(words)}, [chance.choice(words)]):
-            line = json.dumps({"do": "run", "duration": 0.1, name: given}).encode()
-            cases.append(("message", functools.partial(Session().answer, line)))
+        for value in (chance.choice(WORDS), {"kind": chance.choice(WORDS)}, [chance.choice(WORDS)]):
+            line = json.dumps({"do": "run", "duration": 0.1, name: value}).encode()
+            yield Case("message", functools.partial(Session().answer, line))
+
+
+def poisoned_files(trial: Any, folder: Path) -> Iterator[Case]:
+    """Files with the canary in the place of a text, and with a pickle in the place of everything."""
+    import laticauda as lc
+
     for ending in (".nc", ".mcap", ".parquet", ".mat"):
         good = folder / f"good{ending}"
         trial.save(good)
         content = good.read_bytes()
-        texts = [b"mamba", b"lateral", b"planar", b"polynomial", b"prescribed", b"laticauda"]
-        for k, text in enumerate(texts):
+        for k, text in enumerate(TEXTS_OF_FILES):
+            canary = CANARY.encode()[: len(text)].ljust(len(text), b"_")
             bad = folder / f"text-{k}{ending}"
-            bad.write_bytes(
-                content.replace(text, CANARY.encode()[: len(text)].ljust(len(text), b"_"))
-            )
-            cases.append((f"file {ending}", functools.partial(lc.load_trial, bad)))
-        raw = folder / f"pickle{ending}"
-        raw.write_bytes(pickle.dumps(Evil()))
-        cases.append((f"file {ending}", functools.partial(lc.load_trial, raw)))
+            bad.write_bytes(content.replace(text, canary))
+            yield Case(f"file {ending}", functools.partial(lc.load_trial, bad))
+        pickled = folder / f"pickle{ending}"
+        pickled.write_bytes(pickle.dumps(Evil()))
+        yield Case(f"file {ending}", functools.partial(lc.load_trial, pickled))
+
+
+def poisoned_objects(folder: Path) -> Iterator[Case]:
     import scipy.io
+
+    import laticauda as lc
 
     scipy.io.savemat(folder / "objects.mat", {"trial": np.array([CANARY, 1.0], dtype=object)})
     np.savez(folder / "objects.npz", trial=np.array([Evil()], dtype=object))
     (folder / "objects.npz").rename(folder / "npz.mat")
     for name in ("objects.mat", "npz.mat"):
-        cases.append(("file .mat", functools.partial(lc.load_trial, folder / name)))
+        yield Case("file .mat", functools.partial(lc.load_trial, folder / name))
+
+
+def poisoned_attributes(trial: Any, folder: Path, chance: random.Random) -> Iterator[Case]:
     import xarray
+
+    import laticauda as lc
 
     dataset = trial.to_dataset()
     for key in dataset.attrs:
         bad = folder / f"attribute-{key}.nc"
-        poison = dataset.assign_attrs({key: chance.choice(words)})
+        poison = dataset.assign_attrs({key: chance.choice(WORDS)})
         xarray.Dataset.to_netcdf(poison, bad, engine="netcdf4")
-        cases.append(("attribute", functools.partial(lc.load_trial, bad)))
-    return cases
+        yield Case("attribute", functools.partial(lc.load_trial, bad))
+
+
+class Watchman:
+    """An audit hook that notes what runs, while it watches."""
+
+    def __init__(self) -> None:
+        self.is_watching = False
+        self.seen: list[str] = []
+        sys.addaudithook(self._hear)
+
+    def _hear(self, event: str, arguments: tuple[Any, ...]) -> None:
+        if not self.is_watching or event not in WATCHED:
+            return
+        shown = repr(arguments)[:5000]
+        if event.startswith(("pickle", "subprocess", "os.")) or CANARY in shown:
+            self.seen.append(f"{event} {shown[:200]}")
+
+    @contextlib.contextmanager
+    def watching(self) -> Iterator[None]:
+        self.is_watching = True
+        try:
+            yield
+        finally:
+            self.is_watching = False
 
 
 def code_here(seed: int) -> dict[str, Any]:
     """Try all of it in this process, under an audit hook: what was seen."""
-    seen, tried, watching = list[str](), 0, False
-
-    def hook(event: str, arguments: tuple[Any, ...]) -> None:
-        if watching and event in WATCHED:
-            told = repr(arguments)[:5000]
-            if event.startswith(("pickle", "subprocess", "os.")) or CANARY in told:
-                seen.append(f"{event} {told[:200]}")
-
     with tempfile.TemporaryDirectory() as name:
-        folder, mark = Path(name), Path(name) / "mark"
+        folder = Path(name)
+        mark = folder / "mark"
         os.environ["STRANGER_MARK"] = str(mark)
-        (folder / f"{CANARY}.py").write_text(
-            f"open({str(mark)!r}, 'w').close()\nclass Evil: pass\n"
-        )
+        canary = f"open({str(mark)!r}, 'w').close()\nclass Evil: pass\n"
+        (folder / f"{CANARY}.py").write_text(canary)
         sys.path.insert(0, str(folder))
         cases = poisoned(folder, seed)
-        sys.addaudithook(hook)
-        kinds: dict[str, int] = {}
-        for kind, work in cases:
-            watching = True
-            with contextlib.suppress(Exception):
-                work()
-            watching = False
+        watchman = Watchman()
+        for case in cases:
+            with watchman.watching(), contextlib.suppress(Exception):
+                case.work()
             if mark.exists():
-                seen.append(f"{kind}: it ran")
+                watchman.seen.append(f"{case.kind}: it ran")
                 mark.unlink()
-            kinds[kind] = kinds.get(kind, 0) + 1
-            tried += 1
-        found, watching = seen.copy(), True
-        __import__(CANARY)  # which the hook has to see
-        watching = False
-        if not any(one.startswith("import") for one in seen[len(found) :]) or not mark.exists():
-            found.append("the hook is blind")
-        return {"tried": tried, "seen": found, "kinds": kinds}
+        seen = watchman.seen.copy()
+        with watchman.watching():
+            __import__(CANARY)  # which the hook has to see
+        seen_of_canary = watchman.seen[len(seen) :]
+        is_seen = any(event.startswith("import") for event in seen_of_canary)
+        if not is_seen or not mark.exists():
+            seen.append("the hook is blind")
+        kinds = Counter(case.kind for case in cases)
+        return {"tried": len(cases), "seen": seen, "kinds": kinds}
 
 
 def code(options: argparse.Namespace) -> Iterator[Row]:
-    run = [sys.executable, __file__, "--code-here", str(options.seed)]
-    done = subprocess.run(run, capture_output=True, text=True, timeout=600.0)
-    found = (
-        json.loads(done.stdout.splitlines()[-1])
-        if done.stdout
-        else {"tried": 0, "seen": [done.stderr[-300:]]}
-    )
-    kinds = ", ".join(f"{count} x {kind}" for kind, count in found.get("kinds", {}).items())
-    answer = (
-        "; ".join(found["seen"][:3])
-        if found["seen"]
-        else "none imported, compiled, run or unpickled"
-    )
-    yield "code", f"{found['tried']} poisoned inputs ({kinds})", answer
+    command = [sys.executable, __file__, "--code-here", str(options.seed)]
+    process = subprocess.run(command, capture_output=True, text=True, timeout=600.0)
+    result: dict[str, Any] = {"tried": 0, "seen": [process.stderr[-300:]], "kinds": {}}
+    if process.stdout:
+        result = json.loads(process.stdout.splitlines()[-1])
+    kinds = ", ".join(f"{count} x {kind}" for kind, count in result["kinds"].items())
+    answer = "none imported, compiled, run or unpickled"
+    if result["seen"]:
+        answer = "; ".join(result["seen"][:3])
+    yield Row("code", f"{result['tried']} poisoned inputs ({kinds})", answer)
 
 
 # ---- all -----------------------------------------------------------------------------------------
 
-QUESTIONS = {one.__name__: one for one in (listeners, tokens, origins, greedy, talks, code)}
+QUESTIONS = {
+    question.__name__: question for question in (listeners, tokens, origins, greedy, talks, code)
+}
 
 
 def stored() -> list[Row]:
@@ -804,17 +956,17 @@ def stored() -> list[Row]:
     if not STORED.exists():
         return []
     with STORED.open(newline="") as file:
-        return [(row["question"], row["asked"], row["answer"]) for row in csv.DictReader(file)]
+        return [Row(**row) for row in csv.DictReader(file)]
 
 
 def store(name: str, rows: list[Row]) -> None:
     """Keep an answer beside those to other questions."""
-    kept = [row for row in stored() if row[0] != name] + rows
+    others = [row for row in stored() if row.question != name]
     order = list(QUESTIONS)
     with STORED.open("w", newline="") as file:
         table = csv.writer(file, lineterminator="\n")
-        table.writerow(("question", "asked", "answer"))
-        table.writerows(sorted(kept, key=lambda row: order.index(row[0])))
+        table.writerow(Row._fields)
+        table.writerows(sorted(others + rows, key=lambda row: order.index(row.question)))
 
 
 def main() -> None:

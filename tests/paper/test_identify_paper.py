@@ -17,22 +17,22 @@ paper: Any = campaign("identify_paper")
 IDENTIFIED = "beta 1, relative, geared speed-servo, drag on the body"
 SHARED = "beta 0.5, kirchhoff, geared speed-servo, drag on the body"
 PRESETS = {"mamba-identified": IDENTIFIED, "mamba-textbook": SHARED}
-CANDIDATES = {one.name: one for one in paper.CANDIDATES}
+CANDIDATES = {candidate.name: candidate for candidate in paper.CANDIDATES}
 
 
 def model_of(name: str) -> Any:
     """The preset as the campaign has its models."""
-    found = lc.load_parameters(name)
+    parameters = lc.load_parameters(name)
     robots = {
-        fin: found.robot(lc.load_robot("mamba-fin" if fin else "mamba"), "eel_like")
-        for fin in (False, True)
+        False: parameters.robot(lc.load_robot("mamba"), "eel_like"),
+        True: parameters.robot(lc.load_robot("mamba-fin"), "eel_like"),
     }
-    return paper.Model(robots=robots, water=found.every_gait, joints=found.joints)
+    return paper.Model(robots=robots, water=parameters.every_gait, joints=parameters.joints)
 
 
 def numbers_of(name: str) -> tuple[float, float]:
-    found: Any = lc.load_parameters(name)
-    return found.every_gait.tangential_friction, found.joints.speed_limit
+    parameters: Any = lc.load_parameters(name)
+    return parameters.every_gait.tangential_friction, parameters.joints.speed_limit
 
 
 @pytest.mark.parametrize(("name", "error"), [("mamba-identified", 5.0), ("mamba-textbook", 7.2)])
@@ -77,7 +77,7 @@ def test_the_rule_takes_the_other_robot_among_equals_and_leaves_out_what_is_at_a
         amphibot = {"swim 1": -swims, "swim 2": swims}
         return {"name": name, "by_groups": group, "amphibot": amphibot, "at_an_end": False, **more}
 
-    found = paper.chosen(
+    choices = paper.choose(
         [
             result("at an end", 1.0, 0.0, at_an_end=True),
             result("best here", 5.0, 0.3),
@@ -86,7 +86,7 @@ def test_the_rule_takes_the_other_robot_among_equals_and_leaves_out_what_is_at_a
             result("best there", 12.0, 0.01),
         ]
     )
-    names = {what: one["name"] for what, one in found.items()}
+    names = {choice: result["name"] for choice, result in choices.items()}
     assert names == {
         "Mamba's": "as good",
         "shared": "a compromise",
@@ -98,7 +98,7 @@ def test_the_rule_takes_the_other_robot_among_equals_and_leaves_out_what_is_at_a
 def test_the_interval_of_table_1_that_was_written_beforehand_holds_what_was_measured():
     with (FOLDER / "identify_paper_interval.csv").open() as file:
         rows = [
-            {name: float(one) for name, one in row.items() if name != "gait"}
+            {name: float(cell) for name, cell in row.items() if name != "gait"}
             for row in csv.DictReader(file)
         ]
     assert len(rows) == len(paper.ROWS)

@@ -27,7 +27,7 @@ def campaign():
 def done(campaign, tmp_path_factory) -> Series:
     """Two runs of the first setting, without steering."""
     series = load_operation(TABLE2)
-    what = replace(
+    operation = replace(
         series.trials[0],
         following=None,
         duration=DURATION,
@@ -36,7 +36,9 @@ def done(campaign, tmp_path_factory) -> Series:
         calibration=QUICK,
     )
     folder = tmp_path_factory.mktemp("series")
-    return run_series(replace(series, trials=(what,), repeats=2), folder, campaign.operated)
+    return run_series(
+        replace(series, trials=(operation,), repeats=2), folder, campaign.operate_in_tank
+    )
 
 
 def test_the_table_of_the_page_is_that_of_the_stored_answer(campaign):
@@ -52,11 +54,11 @@ def test_the_table_of_the_page_is_that_of_the_stored_answer(campaign):
 def test_two_runs_swim_alike_but_not_the_same(done: Series):
     assert done.is_complete
     (setting,) = done.settings
-    one, two = (result.trial for result in setting.accepted)
-    assert one is not None
-    assert two is not None
-    assert one.forward_velocity == pytest.approx(two.forward_velocity, rel=0.1)
-    assert one.forward_velocity != two.forward_velocity
+    first, second = (result.trial for result in setting.accepted)
+    assert first is not None
+    assert second is not None
+    assert first.forward_velocity == pytest.approx(second.forward_velocity, rel=0.1)
+    assert first.forward_velocity != second.forward_velocity
     for name in ("forward_velocity", "electrical_power", "total_power"):
         mean, deviation = setting.figure(name) or (0.0, None)
         assert mean > 0.0
@@ -73,13 +75,13 @@ def test_the_report_takes_the_repeats_of_a_series(done: Series):
 
 def test_identification_takes_the_trials_of_a_series_that_does_not_steer(done: Series):
     trials = [lc.load_trial(path) for path in sorted(done.folder.glob("*.nc"))]
-    measured = [
+    measurements = [
         from_trial(trial, name=f"run {i}", series={"center_of_mass": 0.003}, every=10)
         for i, trial in enumerate(trials)
     ]
     operation = done.file.trials[0]
-    found = fit(
-        measured,
+    result = fit(
+        measurements,
         parameters={"water.tangential_friction": (0.05, 1.0)},
         joints=operation.joint_law(),
         ramp=operation.ramp,
@@ -88,4 +90,4 @@ def test_identification_takes_the_trials_of_a_series_that_does_not_steer(done: S
         noise="estimated",
     )
     truth = operation.pool().tangential_friction
-    assert math.isclose(found.values["water.tangential_friction"], truth, rel_tol=0.25)
+    assert math.isclose(result.values["water.tangential_friction"], truth, rel_tol=0.25)
