@@ -4,7 +4,7 @@ import csv
 import functools
 import multiprocessing
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
@@ -14,15 +14,20 @@ def stored(path: Path, kind: Any) -> list[Any]:
     """The rows in a file, each an object of a class whose fields are numbers or texts."""
     if not path.exists():
         return []
-    kinds = {field.name: field.type for field in fields(kind)}
     with path.open(newline="") as file:
-        return [
-            kind(**{name: kinds[name](text) for name, text in row.items()})
-            for row in csv.DictReader(file)
-        ]
+        return [read_row(cells, kind) for cells in csv.DictReader(file)]
 
 
-def gone_on(
+def read_row(cells: Mapping[str, str], kind: Any) -> Any:
+    """The object that the cells of a row stand for."""
+    values: dict[str, Any] = {}
+    for field in fields(kind):
+        type_of_field: Any = field.type
+        values[field.name] = type_of_field(cells[field.name])
+    return kind(**values)
+
+
+def go_on(
     path: Path,
     kind: Any,
     jobs: Iterable[tuple[str, int]],
@@ -35,20 +40,20 @@ def gone_on(
     is stopped.
     """
     rows = stored(path, kind)
-    done = {(row.fault, row.seed) for row in rows}
-    left = [job for job in jobs if job not in done]
+    finished = {(row.fault, row.seed) for row in rows}
+    left = [job for job in jobs if job not in finished]
     with multiprocessing.Pool(workers) as pool:
-        for found in pool.imap(functools.partial(_ran, run_one), left):
-            append_row(path, found)
-            rows.append(found)
-            told = (one for name, one in asdict(found).items() if name != "fault")
-            print(found.fault or "good", *told, file=sys.stderr, flush=True)
+        for row in pool.imap(functools.partial(_run_job, run_one), left):
+            append_row(path, row)
+            rows.append(row)
+            values = [value for name, value in asdict(row).items() if name != "fault"]
+            print(row.fault or "good", *values, file=sys.stderr, flush=True)
     return rows
 
 
-def append_row(path: Path, found: Any) -> None:
+def append_row(path: Path, entry: Any) -> None:
     """Add a row, an object of a dataclass, to a file; a new file gets its header first."""
-    row = asdict(found)
+    row = asdict(entry)
     is_new = not path.exists()
     with path.open("a", newline="") as file:
         writer = csv.DictWriter(file, list(row), lineterminator="\n")
@@ -57,5 +62,5 @@ def append_row(path: Path, found: Any) -> None:
         writer.writerow(row)
 
 
-def _ran(run_one: Callable[[str, int], Any], job: tuple[str, int]) -> Any:
+def _run_job(run_one: Callable[[str, int], Any], job: tuple[str, int]) -> Any:
     return run_one(*job)

@@ -26,7 +26,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
 
-from _rows import gone_on
+from _rows import go_on
 
 import laticauda as lc
 from laticauda.control import Following
@@ -43,18 +43,20 @@ from laticauda.tank.operate.settings import (
 )
 
 FAULTS = {
-    "jammed joint": ("stuck_servo", {}),
-    "weak joint, half": ("weak_servo", {"share": 0.5}),
-    "weak joint, a quarter": ("weak_servo", {"share": 0.25}),
-    "slipped zero, 5 deg": ("slipped_zero", {"angle": math.radians(5.0)}),
-    "slipped zero, 10 deg": ("slipped_zero", {"angle": math.radians(10.0)}),
-    "lost fin": ("lost_fin", {}),
-    "wrong body": ("wrong_body", {}),
-    "drifting clock, 0.1 %": ("clock_drift", {"share": 1e-3}),
-    "marker body turned, 5 deg": ("marker_slip", {"angle": math.radians(5.0)}),
-    "moving water, 3 cm/s": ("moving_water", {"speed": 0.03}),
+    "jammed joint": {"kind": "stuck_servo"},
+    "weak joint, half": {"kind": "weak_servo", "share": 0.5},
+    "weak joint, a quarter": {"kind": "weak_servo", "share": 0.25},
+    "slipped zero, 5 deg": {"kind": "slipped_zero", "angle": math.radians(5.0)},
+    "slipped zero, 10 deg": {"kind": "slipped_zero", "angle": math.radians(10.0)},
+    "lost fin": {"kind": "lost_fin"},
+    "wrong body": {"kind": "wrong_body"},
+    "drifting clock, 0.1 %": {"kind": "clock_drift", "share": 1e-3},
+    "marker body turned, 5 deg": {"kind": "marker_slip", "angle": math.radians(5.0)},
+    "moving water, 3 cm/s": {"kind": "moving_water", "speed": 0.03},
 }
-DURATION = 40.0  # of a run [s]
+"""Arguments of the tank's faults, by their titles."""
+DURATION = 40.0
+"""Duration of a run [s]."""
 FILE = Path(__file__).with_suffix(".csv")
 
 
@@ -63,12 +65,18 @@ class Row:
     """One run."""
 
     fault: str
+    """Its title; "" for a good run."""
     seed: int
     what: str
-    outcome: str  # accepted, rejected, stopped (by the supervisor, before the verdict)
-    by: str  # the check that saw it first, or the reason
-    after: float  # the fault [s]; nan: never
-    shares: str  # of every check's limit
+    """Robot, gait, path and rate."""
+    outcome: str
+    """accepted, rejected, stopped (by the supervisor, before the verdict)."""
+    by: str
+    """The check that saw it first, or the reason."""
+    after: float
+    """When, after the fault; nan: never [s]."""
+    shares: str
+    """Share of every check's limit."""
 
 
 def operation(chance: random.Random, fault: str) -> Operation:
@@ -98,54 +106,69 @@ def operation(chance: random.Random, fault: str) -> Operation:
     )
 
 
+class Injection:
+    """Looks at every tick whether the run has begun, and then has the tank's fault come later."""
+
+    def __init__(self, tank: Tank, fault: str, cycle: float, chance: random.Random) -> None:
+        self.tank = tank
+        self.fault = fault
+        self.delay = chance.uniform(1.5, 3.0) * cycle
+        """Time from the beginning to the fault [s]."""
+        self.node = chance.randint(2, 6)
+        self.towards = chance.uniform(0.0, 2.0 * math.pi)
+        self.is_injected = False
+
+    def __call__(self, state, outputs) -> None:
+        if state.begun is None or self.is_injected or not self.fault:
+            return
+        self.is_injected = True
+        arguments = dict(FAULTS[self.fault])
+        if arguments["kind"] in ON_NODES:
+            arguments["node"] = self.node
+        time = state.begun + self.delay
+        self.tank.inject(Fault(time=time, towards=self.towards, **arguments))
+
+
 def run_one(fault: str, seed: int) -> Row:
     """One operation, with a fault or good."""
     chance = random.Random(f"{fault} {seed}")
-    what = operation(chance, fault)
-    robot = what.body()
-    plant = lc.build_plant(robot, what.pool(), joints="servo")
+    operated = operation(chance, fault)
+    gait = operated.gait
+    robot = operated.body()
+    plant = lc.build_plant(robot, operated.pool(), joints="servo")
     start = lc.Start(
         center_of_mass=(0.0, chance.uniform(-0.3, 0.3)), heading=chance.uniform(-0.2, 0.2)
     )
     step = 0.02 if fault else 0.01  # of the tank [s]
     tank = Tank(VirtualRobot(robot, plant, start), LabSettings(seed=seed, step=step))
-    begun: list[float] = []
-    wait = chance.uniform(1.5, 3.0) * 2.0 * math.pi / what.gait.frequency
-    node, towards = chance.randint(2, 6), chance.uniform(0.0, 2.0 * math.pi)
-
-    def show(state, outputs) -> None:
-        if state.begun is None or begun or not fault:
-            return
-        begun.append(state.begun)
-        kind, of = FAULTS[fault]
-        where = {"node": node} if kind in ON_NODES else {}
-        tank.inject(Fault(kind=kind, time=state.begun + wait, towards=towards, **where, **of))
-
+    injection = Injection(tank, fault, 2.0 * math.pi / gait.frequency, chance)
     with tempfile.TemporaryDirectory() as folder:
-        done = operate(what, Path(folder), tank=tank, twin=plant, show=show, frames=False)
-    words = (
-        f"{what.robot} {what.gait.kind} {'path' if what.following else 'open'} {what.rate:.0f} Hz"
-    )
-    if done.verdict is None or (
-        not done.accepted and not done.reason.startswith("The run failed a check")
-    ):
-        return Row(fault, seed, words, "stopped", done.reason, math.nan, "")
-    word = "noted" if done.accepted else "WRONG"
-    first = min(
-        (one for one in done.verdict.checks if one.outcome == word),
-        key=lambda one: one.since,
-        default=None,
-    )
+        result = operate(
+            operated, Path(folder), tank=tank, twin=plant, show=injection, frames=False
+        )
+    path = "path" if operated.following else "open"
+    what = f"{operated.robot} {gait.kind} {path} {operated.rate:.0f} Hz"
+    is_judged = result.accepted or result.reason.startswith("The run failed a check")
+    if result.verdict is None or not is_judged:
+        return Row(fault, seed, what, "stopped", result.reason, math.nan, "")
+    checks = result.verdict.checks
+    outcome = "noted" if result.accepted else "WRONG"
+    complaints = [check for check in checks if check.outcome == outcome]
+    first_name = ""
+    delay = math.nan
+    if complaints:
+        first = min(complaints, key=lambda check: check.since)
+        first_name = first.name
+        delay = round(first.since - injection.delay, 2)
+    shares = [f"{check.name}={check.share:.2f}" for check in checks if check.share is not None]
     return Row(
-        fault,
-        seed,
-        words,
-        "accepted" if done.accepted else "rejected",
-        first.name if first else "",
-        round(first.since - wait, 2) if first else math.nan,
-        " ".join(
-            f"{one.name}={one.share:.2f}" for one in done.verdict.checks if one.share is not None
-        ),
+        fault=fault,
+        seed=seed,
+        what=what,
+        outcome="accepted" if result.accepted else "rejected",
+        by=first_name,
+        after=delay,
+        shares=" ".join(shares),
     )
 
 
@@ -155,36 +178,47 @@ def table(rows: list[Row]) -> str:
         f"{'fault':<28}{'runs':>6}{'rejected':>10}{'stopped':>9}{'noted':>7}{'after [s], median (most)':>27}  by"
     ]
     for fault in FAULTS:
-        found = [row for row in rows if row.fault == fault]
-        if not found:
-            continue
-        rejected, stopped = (
-            [row for row in found if row.outcome == word] for word in ("rejected", "stopped")
-        )
-        noted = sum(row.outcome == "accepted" and bool(row.by) for row in found)
-        after = sorted(row.after for row in rejected)
-        times = f"{median(after):.0f} ({after[-1]:.0f})" if after else "-"
-        names = sorted({row.by for row in rejected})
-        lines.append(
-            f"{fault:<28}{len(found):>6}{len(rejected):>10}{len(stopped):>9}{noted:>7}{times:>27}  {', '.join(names)}"
-        )
+        rows_of_fault = [row for row in rows if row.fault == fault]
+        if rows_of_fault:
+            lines.append(line_of_fault(rows_of_fault))
     good = [row for row in rows if not row.fault]
     hours = len(good) * DURATION / 3600.0
     bad = [row for row in good if row.outcome != "accepted"]
     lines.append(f"good runs: {len(good)}, {hours:.2f} h; not accepted: {len(bad)}")
     lines += [f"    {row.what}, seed {row.seed}: {row.outcome} by {row.by}" for row in bad]
+    shares_of_runs = [read_shares(row.shares) for row in good]
     for name in Acceptance.__dataclass_fields__:
-        shares = [
-            float(part.split("=")[1])
-            for row in good
-            for part in row.shares.split()
-            if part.startswith(f"{name}=")
-        ]
+        shares = [shares_of_run[name] for shares_of_run in shares_of_runs if name in shares_of_run]
         if shares:
+            most, middle = 100 * max(shares), 100 * median(shares)
             lines.append(
-                f"    {name:<18} at most {100 * max(shares):>4.0f} % of its limit, median {100 * median(shares):.0f} %"
+                f"    {name:<18} at most {most:>4.0f} % of its limit, median {middle:.0f} %"
             )
     return "\n".join(lines)
+
+
+def line_of_fault(rows: list[Row]) -> str:
+    rejected = [row for row in rows if row.outcome == "rejected"]
+    n_stopped = sum(row.outcome == "stopped" for row in rows)
+    n_noted = sum(row.outcome == "accepted" and bool(row.by) for row in rows)
+    delays = sorted(row.after for row in rejected)
+    times = "-"
+    if delays:
+        times = f"{median(delays):.0f} ({delays[-1]:.0f})"
+    names = ", ".join(sorted({row.by for row in rejected}))
+    return (
+        f"{rows[0].fault:<28}{len(rows):>6}{len(rejected):>10}{n_stopped:>9}{n_noted:>7}"
+        f"{times:>27}  {names}"
+    )
+
+
+def read_shares(text: str) -> dict[str, float]:
+    """Shares of the checks' limits by name, as in a row."""
+    shares: dict[str, float] = {}
+    for part in text.split():
+        name, share = part.split("=")
+        shares[name] = float(share)
+    return shares
 
 
 def main() -> int:
@@ -196,7 +230,7 @@ def main() -> int:
     options = parser.parse_args()
     jobs = [(fault, seed) for seed in range(options.runs) for fault in FAULTS]
     jobs += [("", seed) for seed in range(math.ceil(options.hours * 3600.0 / DURATION))]
-    rows = gone_on(options.file, Row, jobs, run_one, options.workers)
+    rows = go_on(options.file, Row, jobs, run_one, options.workers)
     print(table(rows))
     return int(sum(not row.fault and row.outcome != "accepted" for row in rows) > 1)
 

@@ -10,7 +10,7 @@ python campaigns/amphibot.py
 import math
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -20,21 +20,40 @@ from laticauda.robot import textbook_of
 from laticauda.robot.files import PRESETS
 from laticauda.trials.markers import Track, marker_distance, marker_places
 
-LINK = 0.0965  # m
-ALONG = (
-    [0.6245]
-    + [at for k in range(6, 1, -1) for at in (k * LINK, k * LINK - 0.0545)]
-    + [LINK, LINK - 0.053]
-)
+LINK = 0.0965
+"""Length of a link [m]."""
+
+
+def _led_positions() -> list[float]:
+    positions = [0.6245]
+    for k in range(6, 1, -1):
+        positions += [k * LINK, k * LINK - 0.0545]
+    return [*positions, LINK, LINK - 0.053]
+
+
+ALONG = _led_positions()
 """Of the 13 LEDs, head first: distance from the tail end along the straight body [m]."""
-FREQUENCY = 1.347  # Hz, from the LEDs
+FREQUENCY = 1.347
+"""Frequency of the gait, from the LEDs [Hz]."""
+
+
+class Span(NamedTuple):
+    """A part of the run."""
+
+    begin: float
+    """[s]."""
+    end: float
+    """[s]."""
+    speed: float
+    """Of the LEDs' mean (swims, a camera each), of the LEDs along the body (glides) [m/s]."""
+
+
 SPANS = {
-    "swim 1": (2.2, 4.5, 0.607),
-    "swim 2": (5.7, 7.7, 0.613),
-    "glide 1": (8.4, 9.4, 0.193),
-    "glide 2": (9.4, 10.4, 0.116),
+    "swim 1": Span(2.2, 4.5, 0.607),
+    "swim 2": Span(5.7, 7.7, 0.613),
+    "glide 1": Span(8.4, 9.4, 0.193),
+    "glide 2": Span(9.4, 10.4, 0.116),
 }
-"""Begin and end [s], and speed [m/s]: of the LEDs' mean (swims, a camera each), of the LEDs along the body (glides)."""
 STARTED = (0.422, 2.423)
 """The first frame, and that 2 s later, of the same camera [s]."""
 COAST = 0.024
@@ -70,125 +89,137 @@ def track() -> Track:
 
 def steady(time: np.ndarray, place: np.ndarray, begin: float, end: float) -> float:
     """Mean speed of a place [m/s]: the slope of a line with two harmonics of the gait."""
-    now = (time >= begin) & (time <= end)
-    t, w = time[now], 2.0 * math.pi * FREQUENCY
-    columns = [np.ones_like(t), t, *(wave(k * w * t) for k in (1, 2) for wave in (np.sin, np.cos))]
-    return float(
-        np.hypot(*np.linalg.lstsq(np.stack(columns, axis=1), place[now], rcond=None)[0][1])
-    )
+    is_inside = (time >= begin) & (time <= end)
+    t = time[is_inside]
+    phase = 2.0 * math.pi * FREQUENCY * t
+    columns = [np.ones_like(t), t]
+    columns += [np.sin(phase), np.cos(phase), np.sin(2 * phase), np.cos(2 * phase)]
+    matrix = np.stack(columns, axis=1)
+    (_, velocity, *_), *_ = np.linalg.lstsq(matrix, place[is_inside], rcond=None)
+    return float(np.hypot(*velocity))
 
 
 def along_body(time: np.ndarray, markers: np.ndarray, begin: float, end: float) -> float:
     """Mean speed of markers, head first, along the line through them [m/s]."""
-    now = (time >= begin) & (time <= end)
+    is_inside = (time >= begin) & (time <= end)
     line = -np.gradient(markers, axis=1)
     line /= np.linalg.norm(line, axis=-1, keepdims=True)
-    return float(np.sum(np.gradient(markers, time, axis=0) * line, axis=-1)[now].mean())
+    velocity = np.gradient(markers, time, axis=0)
+    speed = np.sum(velocity * line, axis=-1)
+    return float(speed[is_inside].mean())
 
 
-def came(time: np.ndarray, middle: np.ndarray) -> float:
+def distance_in_start(time: np.ndarray, middle: np.ndarray) -> float:
     """How far the LEDs' mean came in the start [m]."""
-    begin, end = (np.array([np.interp(t, time, one) for one in middle.T]) for t in STARTED)
-    return float(np.hypot(*(end - begin)))
+    x, y = (np.interp(STARTED, time, values) for values in middle.T)
+    return float(np.hypot(x[1] - x[0], y[1] - y[0]))
 
 
 def figures(trial: lc.Trial) -> dict[str, float]:
     """What a run gives: the speeds of SPANS [m/s], and how far it came in the start [m]."""
     markers = marker_places(trial, ALONG)
     middle = markers.mean(axis=1)
-    found = {
-        name: steady(trial.time, middle, a, b)
-        if name.startswith("swim")
-        else along_body(trial.time, markers, a, b)
-        for name, (a, b, _) in SPANS.items()
-    }
-    return {**found, "start": came(trial.time, middle)}
+    values: dict[str, float] = {}
+    for name, span in SPANS.items():
+        if name.startswith("swim"):
+            values[name] = steady(trial.time, middle, span.begin, span.end)
+        else:
+            values[name] = along_body(trial.time, markers, span.begin, span.end)
+    values["start"] = distance_in_start(trial.time, middle)
+    return values
 
 
 def measured() -> dict[str, float]:
     """The same of the real robot."""
+    values = {name: span.speed for name, span in SPANS.items()}
     seen = track()
-    return {
-        **{name: speed for name, (_, _, speed) in SPANS.items()},
-        "start": came(seen.time, seen.place.mean(axis=1)),
-    }
+    values["start"] = distance_in_start(seen.time, seen.place.mean(axis=1))
+    return values
 
 
 def stated_intervals(trial: lc.Trial) -> dict[str, tuple[float, float]]:
     """Between what the figures lie, by what is known of the coefficients and by what the model missed such motion."""
     kinds = {"swim": "swimming", "glide": "gliding", "start": "starting"}
-    return {
-        name: widen_by_textbook_error(one, kinds[name.split()[0]])
-        for name, one in figure_intervals(trial, figures=figures).items()
-    }
+    intervals: dict[str, tuple[float, float]] = {}
+    for name, interval in figure_intervals(trial, figures=figures).items():
+        motion, *_ = name.split()
+        intervals[name] = widen_by_textbook_error(interval, kinds[motion])
+    return intervals
 
 
 def null_models() -> dict[str, dict[str, float]]:
     """The same, as far as models without hydrodynamics go."""
-    robot, tail = lc.load_robot("amphibot"), 2.0 * 0.092  # m, from side to side, of the last LED
-    a, b = robot.modules[0].section.half_height, robot.modules[0].section.half_width
-    decay = 0.5 * 1000.0 * COAST * math.pi * robot.length * (a + b) / robot.mass  # 1/m
-    stop, speed = (
-        8.03,
-        SPANS["swim 2"][2],
-    )  # the glide begins with the speed of the swim, and no wave
-
-    def come(t: float) -> float:
-        return math.log1p(speed * decay * (t - stop)) / decay
-
-    coast = {
-        name: (come(b) - come(a)) / (b - a)
-        for name, (a, b, _) in SPANS.items()
-        if name.startswith("glide")
-    }
+    robot = lc.load_robot("amphibot")
+    tail_swing = 2.0 * 0.092  # of the last LED, from side to side [m]
     swims = [name for name in SPANS if name.startswith("swim")]
+    by_stride = STRIDE * robot.length * FREQUENCY
+    by_strouhal_number = tail_swing * FREQUENCY / STROUHAL
     return {
-        f"stride of {STRIDE} body lengths": dict.fromkeys(swims, STRIDE * robot.length * FREQUENCY),
-        f"Strouhal number {STROUHAL}": dict.fromkeys(swims, tail * FREQUENCY / STROUHAL),
-        f"quadratic coast, C = {COAST}": coast,
+        f"stride of {STRIDE} body lengths": dict.fromkeys(swims, by_stride),
+        f"Strouhal number {STROUHAL}": dict.fromkeys(swims, by_strouhal_number),
+        f"quadratic coast, C = {COAST}": quadratic_coast(robot),
     }
 
 
-def row(words: str, found: Mapping[str, float], real: Mapping[str, float]) -> str:
+def quadratic_coast(robot: lc.Robot) -> dict[str, float]:
+    """Speeds of the glides if drag is quadratic; they begin with the speed of the swim, and no wave."""
+    section = robot.modules[0].section
+    wetted_surface = math.pi * robot.length * (section.half_height + section.half_width)
+    decay = 0.5 * 1000.0 * COAST * wetted_surface / robot.mass  # [1/m]
+    begin = 8.03
+    speed = SPANS["swim 2"].speed
+
+    def distance(time: float) -> float:
+        return math.log1p(speed * decay * (time - begin)) / decay
+
+    speeds: dict[str, float] = {}
+    for name, span in SPANS.items():
+        if name.startswith("glide"):
+            way = distance(span.end) - distance(span.begin)
+            speeds[name] = way / (span.end - span.begin)
+    return speeds
+
+
+def row(title: str, values: Mapping[str, float], real: Mapping[str, float]) -> str:
     """A line of the table: values, and by how many percent they miss."""
-    cells = [
-        f"{found[name]:.3f} ({100 * (found[name] / real[name] - 1):+4.0f} %)"
-        if name in found
-        else ""
-        for name in real
-    ]
-    return f"{words:34}" + "".join(f"{cell:>16}" for cell in cells)
+    cells: list[str] = []
+    for name, real_value in real.items():
+        cell = ""
+        if name in values:
+            error = 100 * (values[name] / real_value - 1)
+            cell = f"{values[name]:.3f} ({error:+4.0f} %)"
+        cells.append(cell)
+    return f"{title:34}" + "".join(f"{cell:>16}" for cell in cells)
 
 
 def main() -> None:
     """The table."""
-    real, seen = measured(), track()
+    real = measured()
+    seen = track()
     print(" " * 34 + "".join(f"{name:>16}" for name in real))
-    print(f"{'measured [m/s, m]':34}" + "".join(f"{one:>16.3f}" for one in real.values()))
-    bare = {"textbook, no shed edge": textbook(trailing_edge="none")}
+    print(f"{'measured [m/s, m]':34}" + "".join(f"{value:>16.3f}" for value in real.values()))
     waters = {
-        f"textbook, beta {beta}": textbook(drag=lc.TotalSpeedDrag(beta=beta))
-        for beta in (0.5, 0.0, 1.0)
+        "textbook, beta 0.5": textbook(drag=lc.TotalSpeedDrag(beta=0.5)),
+        "textbook, beta 0.0": textbook(drag=lc.TotalSpeedDrag(beta=0.0)),
+        "textbook, beta 1.0": textbook(drag=lc.TotalSpeedDrag(beta=1.0)),
+        "textbook, no shed edge": textbook(trailing_edge="none"),
+        "paper-lateral": lc.load_water("paper-lateral"),
     }
-    for name, water in {**waters, **bare, "paper-lateral": lc.load_water("paper-lateral")}.items():
+    for name, water in waters.items():
         trial = swum(water)
         time, gap = marker_distance(trial, seen, ALONG, fitted=(0.4, 1.1))
-        print(
-            row(name, figures(trial), real),
-            f"  LEDs {1000 * np.interp(4.5, time, gap):.0f} mm apart at 4.5 s",
-        )
-    for name, found in null_models().items():
-        print(row(name, found, real))
+        millimeters = 1000 * np.interp(4.5, time, gap)
+        print(row(name, figures(trial), real), f"  LEDs {millimeters:.0f} mm apart at 4.5 s")
+    for name, values in null_models().items():
+        print(row(name, values, real))
     trial = swum(textbook())
-    ranges = {
+    intervals_of_figures = {
         "coefficients in their intervals": figure_intervals(trial, figures=figures),
         "stated": stated_intervals(trial),
     }
-    for words, found in ranges.items():
-        print(
-            f"{words:34}"
-            + "".join(f"{f'{low:.3f} to {high:.3f}':>16}" for low, high in found.values())
-        )
+    for title, intervals in intervals_of_figures.items():
+        cells = [f"{low:.3f} to {high:.3f}" for low, high in intervals.values()]
+        print(f"{title:34}" + "".join(f"{cell:>16}" for cell in cells))
 
 
 if __name__ == "__main__":

@@ -44,7 +44,7 @@ from typing import Any
 
 import numpy as np
 from _program import recorded
-from _rows import gone_on, stored
+from _rows import go_on, stored
 
 import laticauda as lc
 from laticauda.studies import Front, Grid, Optimization, Sweep, open_sweep, optimize, run_sweep
@@ -281,7 +281,7 @@ def main() -> None:
     jobs = [(fault, seed) for fault in options.only for seed in range(ROWS[fault])]
     with tempfile.TemporaryDirectory(dir=FAST) as scratch:
         tempfile.tempdir = scratch  # workers are forks, and have it too
-        gone_on(ANSWERS, Row, jobs, flip_many)
+        go_on(ANSWERS, Row, jobs, flip_many)
         tempfile.tempdir = None
     rows: list[Row] = stored(ANSWERS, Row)
     for fault in ROWS:

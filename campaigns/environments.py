@@ -18,6 +18,7 @@ minutes, most of it the tests.
 
 import argparse
 import csv
+import itertools
 import json
 import os
 import re
@@ -32,7 +33,8 @@ from email.parser import HeaderParser
 from pathlib import Path
 from typing import NamedTuple
 
-STORED, ROOT = Path(__file__).with_suffix(".csv"), Path(__file__).parent.parent
+STORED = Path(__file__).with_suffix(".csv")
+ROOT = Path(__file__).parent.parent
 PYTHONS = [f"python3.{minor}" for minor in (11, 12, 13, 14)]
 RESOLUTIONS = {"lowest": "lowest-direct", "newest": "highest"}
 OUTSIDE = ("export",)
@@ -66,17 +68,20 @@ WEIGHTS = """
 import importlib.metadata, importlib.util, json, os, re, sys
 from packaging.requirements import Requirement
 
-def known(name):
+def normal_name(name):
     return re.sub("[-_.]+", "-", name).lower()
 
-def needed(name, extras, found):
-    found.add((known(name), *extras))
+def is_needed(requirement, extras):
+    marker = requirement.marker
+    return marker is None or any(marker.evaluate({"extra": extra}) for extra in extras or ("",))
+
+def needed(name, extras, visited):
+    visited.add((normal_name(name), *extras))
     for requirement in map(Requirement, importlib.metadata.requires(name) or ()):
-        marker = requirement.marker
-        wanted = marker is None or any(marker.evaluate({"extra": extra}) for extra in extras or ("",))
-        if wanted and (known(requirement.name), *requirement.extras) not in found:
-            needed(requirement.name, sorted(requirement.extras), found)
-    return {name for name, *_ in found}
+        is_new = (normal_name(requirement.name), *requirement.extras) not in visited
+        if is_new and is_needed(requirement, extras):
+            needed(requirement.name, sorted(requirement.extras), visited)
+    return {name for name, *_ in visited}
 
 def files(name):
     for file in importlib.metadata.files(name) or ():
@@ -85,8 +90,8 @@ def files(name):
             yield importlib.util.cache_from_source(file.locate())
 
 def size(names):
-    found = {os.path.realpath(file) for name in names for file in files(name)}
-    return sum(512 * os.stat(file).st_blocks for file in found if os.path.exists(file)) / 1e6
+    paths = {os.path.realpath(file) for name in names for file in files(name)}
+    return sum(512 * os.stat(path).st_blocks for path in paths if os.path.exists(path)) / 1e6
 
 plain = needed("laticauda", (), set())
 weights = {"plain": size(plain), "all": size(needed("laticauda", ("all",), set()))}
@@ -110,18 +115,8 @@ class Wheel(NamedTuple):
         Args:
             folder: Where it is put.
         """
-        words = [
-            sys.executable,
-            "-m",
-            "pip",
-            "wheel",
-            "-qq",
-            "--no-deps",
-            "--wheel-dir",
-            str(folder),
-            str(ROOT),
-        ]
-        subprocess.run(words, check=True)
+        options = ["-qq", "--no-deps", "--wheel-dir", str(folder)]
+        subprocess.run([sys.executable, "-m", "pip", "wheel", *options, str(ROOT)], check=True)
         file = next(folder.glob("laticauda-*.whl"))
         with zipfile.ZipFile(file) as archive:
             (name,) = (name for name in archive.namelist() if name.endswith(".dist-info/METADATA"))
@@ -129,18 +124,21 @@ class Wheel(NamedTuple):
         requirements: dict[str, list[str]] = {}
         for line in metadata.get_all("Requires-Dist") or []:
             requirement, _, marker = line.partition(";")
-            extra = re.search(r"extra == ['\"](\w+)", marker)
-            requirements.setdefault(extra[1] if extra else "", []).append(requirement.strip())
+            match = re.search(r"extra == ['\"](\w+)", marker)
+            extra = ""
+            if match:
+                extra = match[1]
+            requirements.setdefault(extra, []).append(requirement.strip())
         del requirements["all"]
         return cls(file, requirements)
 
-    def wanted(self) -> list[str]:
+    def to_install(self) -> list[str]:
         """It, and by itself whatever `[all]` requires: the oldest of what others require would be too old for them."""
-        groups = [group for extra, group in self.requirements.items() if extra not in OUTSIDE]
-        groups.append(
-            [requirement for requirement in BESIDE["dependencies"] if requirement != "laticauda"]
-        )
-        return [str(self.file), *sorted({requirement for group in groups for requirement in group})]
+        requirements = set(BESIDE["dependencies"]) - {"laticauda"}
+        for extra, requirements_of_extra in self.requirements.items():
+            if extra not in OUTSIDE:
+                requirements.update(requirements_of_extra)
+        return [str(self.file), *sorted(requirements)]
 
 
 class Environment:
@@ -154,14 +152,14 @@ class Environment:
 
     def __init__(self, folder: Path, python: str, uv: str) -> None:
         subprocess.run([python, "-m", "venv", "--without-pip", str(folder)], check=True)
-        self.folder, self.bin, self._uv = folder, folder / "bin", uv
+        self.folder = folder
+        self.bin = folder / "bin"
+        self._uv = uv
         self._variables = {
             name: value for name, value in os.environ.items() if not name.startswith("PYTHON")
         }
-        self._variables |= {
-            "NUMBA_CACHE_DIR": str(folder / "numba"),
-            "PATH": f"{self.bin}{os.pathsep}{os.environ['PATH']}",
-        }
+        self._variables["NUMBA_CACHE_DIR"] = str(folder / "numba")
+        self._variables["PATH"] = f"{self.bin}{os.pathsep}{os.environ['PATH']}"
 
     def install(self, *requirements: str, resolution: str = "highest") -> None:
         """Install from wheels, compiled as pip does it.
@@ -170,38 +168,28 @@ class Environment:
             requirements: What.
             resolution: Which versions, in uv's words.
         """
-        words = [
-            self._uv,
-            "pip",
-            "install",
-            "--quiet",
-            "--compile-bytecode",
-            "--only-binary",
-            ":all:",
-        ]
-        words += ["--python", str(self.bin / "python"), "--resolution", resolution]
-        subprocess.run([*words, *requirements], check=True)
+        options = ["--quiet", "--compile-bytecode", "--only-binary", ":all:"]
+        options += ["--python", str(self.bin / "python"), "--resolution", resolution]
+        subprocess.run([self._uv, "pip", "install", *options, *requirements], check=True)
 
-    def _run(self, *words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
-        done = subprocess.run(
-            [str(self.bin / words[0]), *words[1:]],
+    def _run(self, program: str, *words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
+        process = subprocess.run(
+            [str(self.bin / program), *words],
             env=self._variables,
             cwd=cwd,
             capture_output=True,
             text=True,
         )
-        if done.returncode:
-            print(done.stdout[-20_000:], done.stderr[-5_000:], sep="\n", file=sys.stderr)
-        return done
+        if process.returncode:
+            print(process.stdout[-20_000:], process.stderr[-5_000:], sep="\n", file=sys.stderr)
+        return process
 
     def swim(self) -> str:
         """What the program says when it does what it is for."""
-        done = self._run("laticauda", *SWIM.split(), cwd=self.folder)
-        return (
-            f"{json.loads(done.stdout)['forward_velocity']:.4f} m/s"
-            if done.returncode == 0
-            else "fails"
-        )
+        process = self._run("laticauda", *SWIM.split(), cwd=self.folder)
+        if process.returncode != 0:
+            return "fails"
+        return f"{json.loads(process.stdout)['forward_velocity']:.4f} m/s"
 
     def test(self, words: list[str], *, strict: bool) -> str:
         """How the tests end, without their time.
@@ -210,19 +198,15 @@ class Environment:
             words: Files and options.
             strict: Whether a warning is an error.
         """
-        options = [
-            "-q",
-            "-p",
-            "no:cacheprovider",
-            "-m",
-            "not slow",
-            *([] if strict else ["-o", "filterwarnings="]),
-        ]
-        done = self._run("python", "-m", "pytest", *options, *words, cwd=ROOT)
-        ends = re.findall(
-            r"^\W*(\d+ (?:passed|failed|error).*?) in [\d.]+s", done.stdout, re.MULTILINE
-        )
-        return ends[-1] if ends else f"exit status {done.returncode}"
+        options = ["-q", "-p", "no:cacheprovider", "-m", "not slow"]
+        if not strict:
+            options += ["-o", "filterwarnings="]
+        process = self._run("python", "-m", "pytest", *options, *words, cwd=ROOT)
+        last_line = r"^\W*(\d+ (?:passed|failed|error).*?) in [\d.]+s"
+        summaries = re.findall(last_line, process.stdout, re.MULTILINE)
+        if not summaries:
+            return f"exit status {process.returncode}"
+        return summaries[-1]
 
     def weights(self, extras: list[str]) -> dict[str, str]:
         """MB of the plain package with what it needs, of all, and of what each extra adds.
@@ -230,9 +214,9 @@ class Environment:
         Args:
             extras: Their names.
         """
-        done = self._run("python", "-c", WEIGHTS, *extras, cwd=self.folder)
-        done.check_returncode()
-        return {name: f"{size:.0f} MB" for name, size in json.loads(done.stdout).items()}
+        process = self._run("python", "-c", WEIGHTS, *extras, cwd=self.folder)
+        process.check_returncode()
+        return {name: f"{size:.0f} MB" for name, size in json.loads(process.stdout).items()}
 
 
 def installer(folder: Path) -> str:
@@ -241,21 +225,20 @@ def installer(folder: Path) -> str:
     Args:
         folder: Where it is put if it is missing.
     """
-    if found := shutil.which("uv"):
-        return found
+    uv = shutil.which("uv")
+    if uv:
+        return uv
     subprocess.run([sys.executable, "-m", "venv", str(folder)], check=True)
-    subprocess.run(
-        [str(folder / "bin" / "python"), "-m", "pip", "install", "-qq", "uv"], check=True
-    )
+    python = str(folder / "bin" / "python")
+    subprocess.run([python, "-m", "pip", "install", "-qq", "uv"], check=True)
     return str(folder / "bin" / "uv")
 
 
 def starts(python: str) -> bool:
     """Whether a Python is there, and not only its name."""
-    return (
-        bool(shutil.which(python))
-        and subprocess.run([python, "-c", ""], capture_output=True).returncode == 0
-    )
+    if not shutil.which(python):
+        return False
+    return subprocess.run([python, "-c", ""], capture_output=True).returncode == 0
 
 
 def answers(
@@ -271,29 +254,27 @@ def answers(
     """
     with tempfile.TemporaryDirectory(prefix="laticauda-environments-") as name:
         folder = Path(name)
-        uv, wheel = installer(folder / "uv"), Wheel.built(folder)
+        uv = installer(folder / "uv")
+        wheel = Wheel.built(folder)
+        extras = [extra for extra in wheel.requirements if extra and extra not in OUTSIDE]
         sizes: dict[str, str] = {}
-        for python in pythons:
-            for resolution in resolutions:
-                one = Environment(folder / "one", python, uv)
-                one.install(*wheel.wanted(), resolution=RESOLUTIONS[resolution])
-                if resolution == "newest" and not sizes:
-                    sizes = one.weights(
-                        [extra for extra in wheel.requirements if extra and extra not in OUTSIDE]
-                    )
-                one.install(*TOOLS)
-                yield f"{python}, {resolution}: swim", one.swim()
-                yield (
-                    f"{python}, {resolution}: tests",
-                    one.test(tests, strict=resolution == "newest"),
-                )
-                shutil.rmtree(one.folder)
+        for python, resolution in itertools.product(pythons, resolutions):
+            environment = Environment(folder / "environment", python, uv)
+            environment.install(*wheel.to_install(), resolution=RESOLUTIONS[resolution])
+            if resolution == "newest" and not sizes:
+                sizes = environment.weights(extras)
+            environment.install(*TOOLS)
+            case = f"{python}, {resolution}"
+            yield f"{case}: swim", environment.swim()
+            yield f"{case}: tests", environment.test(tests, strict=resolution == "newest")
+            shutil.rmtree(environment.folder)
         for extra in weigh:
-            one = Environment(folder / "one", pythons[0], uv)
-            one.install(f"{wheel.file}[{extra}]")
-            sizes[extra] = one.weights([extra])[extra]
-            shutil.rmtree(one.folder)
-        yield from ((f"size of {extra}", size) for extra, size in sizes.items())
+            environment = Environment(folder / "environment", pythons[0], uv)
+            environment.install(f"{wheel.file}[{extra}]")
+            sizes[extra] = environment.weights([extra])[extra]
+            shutil.rmtree(environment.folder)
+        for extra, size in sizes.items():
+            yield f"size of {extra}", size
 
 
 def stored() -> dict[str, str]:
@@ -325,23 +306,26 @@ def main() -> None:
         default=TESTS,
         help="other words for pytest; the last option",
     )
-    args = parser.parse_args()
-    before, bad = stored(), False
-    found = [python for python in args.pythons if starts(python)]
-    print(f"Not here: {', '.join({*args.pythons} - {*found}) or 'nothing'}.")
-    now: dict[str, str] = {}
-    for case, answer in answers(
-        found, [args.only] if args.only else [*RESOLUTIONS], args.weigh, args.tests
-    ):
-        print(f"{case:30} {answer:50} {before.get(case, '')}", flush=True)
-        now[case] = answer
-        bad |= "fail" in answer or "error" in answer or "exit" in answer
-    if args.write:
+    options = parser.parse_args()
+    pythons = [python for python in options.pythons if starts(python)]
+    print(f"Not here: {', '.join({*options.pythons} - {*pythons}) or 'nothing'}.")
+    resolutions = list(RESOLUTIONS)
+    if options.only:
+        resolutions = [options.only]
+    answers_before = stored()
+    answers_now: dict[str, str] = {}
+    for case, answer in answers(pythons, resolutions, options.weigh, options.tests):
+        print(f"{case:30} {answer:50} {answers_before.get(case, '')}", flush=True)
+        answers_now[case] = answer
+    if options.write:
+        rows = sorted((answers_before | answers_now).items())
         with STORED.open("w", newline="", encoding="utf-8") as lines:
-            csv.writer(lines, lineterminator="\n").writerows(
-                [("case", "answer"), *sorted((before | now).items())]
-            )
-    sys.exit(bad)
+            csv.writer(lines, lineterminator="\n").writerows([("case", "answer"), *rows])
+    sys.exit(any(map(is_failure, answers_now.values())))
+
+
+def is_failure(answer: str) -> bool:
+    return "fail" in answer or "error" in answer or "exit" in answer
 
 
 if __name__ == "__main__":

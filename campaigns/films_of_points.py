@@ -268,7 +268,7 @@ def main() -> None:
     rows = _rows.stored(STORED, Row)
     if arguments.run:
         wanted = jobs()[: arguments.films]
-        rows = _rows.gone_on(STORED, Row, wanted, run_one, workers=arguments.jobs)
+        rows = _rows.go_on(STORED, Row, wanted, run_one, workers=arguments.jobs)
     for water in WATERS:
         parts = {"all": [row for row in rows if row.fault == water]}
         parts |= {

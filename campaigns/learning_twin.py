@@ -23,7 +23,7 @@ from pathlib import Path
 from statistics import median
 from typing import NamedTuple
 
-from _rows import gone_on
+from _rows import go_on
 
 import laticauda as lc
 from laticauda.control.estimation import Learned, Learner, Learning, Sample
@@ -306,7 +306,7 @@ def main() -> int:
     options = parser.parse_args()
     jobs = [("", 1000 + seed) for seed in range(options.runs)]
     jobs += [(fault, seed) for seed in range(options.faults) for fault in FAULTS]
-    rows = gone_on(options.file, Row, jobs, run_one, options.workers)
+    rows = go_on(options.file, Row, jobs, run_one, options.workers)
     print(table(rows))
     return 0
 

@@ -41,7 +41,7 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-from _rows import gone_on, stored
+from _rows import go_on, stored
 
 import laticauda as lc
 from laticauda.identify import Measurement, Unknown, basis_of, fit, predict_scenario
@@ -268,7 +268,7 @@ def main() -> None:
     parser.add_argument("--kinds", nargs="*", default=KINDS)
     options = parser.parse_args()
     jobs = [(kind, seed) for seed in range(options.robots) for kind in options.kinds]
-    rows = gone_on(FILE, Row, jobs, partial(run), options.workers) if jobs else stored(FILE, Row)
+    rows = go_on(FILE, Row, jobs, partial(run), options.workers) if jobs else stored(FILE, Row)
     print(describe(rows), file=sys.stdout)
 
 

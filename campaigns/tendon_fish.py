@@ -15,10 +15,10 @@ Lab, ETH Zurich).
 
 import argparse
 import csv
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -29,16 +29,24 @@ from laticauda.robot import CaudalFin, textbook_water
 TABLE = Path(__file__).with_suffix(".csv")
 VIDEOS = ("0_50", "0_75", "1_00", "1_25", "1_75")
 """By the frequency that the motor was asked for [Hz]. In those at 1.5, 2 and 2.25 Hz the tracker lost markers."""
-RATE = 60.0  # frames per second, as the source's own script has it
-HEAD = 0.142  # m, between the first two markers: the scale
-NOSE = 0.077  # m, from the first marker to the origin of the source's lengths
-JOINTS = np.array([0.285, 0.3145, 0.3455, 0.376, 0.401])  # m, from that origin
-BEHIND = np.array(
-    [0.0145, 0.015, 0.016, 0.0145, 0.0105, 0.073]
-)  # m, of tail markers behind their joint
-PLACE, TURN = 0.005, 0.12
-"""How well markers are seen [m], and by how much neighboring joints differ [rad]: without, their angles alternate."""
-N_CYCLES, N_SAMPLES = 12, 24
+RATE = 60.0
+"""Frames per second, as the source's own script has it."""
+HEAD = 0.142
+"""Distance between the first two markers, which is the scale [m]."""
+NOSE = 0.077
+"""Distance of the first marker from the origin of the source's lengths [m]."""
+JOINTS = np.array([0.285, 0.3145, 0.3455, 0.376, 0.401])
+"""Places of the joints, from that origin [m]."""
+BEHIND = np.array([0.0145, 0.015, 0.016, 0.0145, 0.0105, 0.073])
+"""Distances of the tail's markers behind their joints [m]."""
+PLACE = 0.005
+"""How well markers are seen [m]."""
+TURN = 0.12
+"""By how much neighboring joints differ [rad]: without, their angles alternate."""
+N_CYCLES = 12
+"""Cycles of a run."""
+N_SAMPLES = 24
+"""Samples of a cycle."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,27 +68,30 @@ class Swim:
 def swims() -> list[Swim]:
     """The table."""
     with TABLE.open(encoding="utf-8") as file:
-        rows = [
-            [float(cell) for cell in row]
-            for row in csv.reader(line for line in file if line[0] in "0123456789")
-        ]
-    return [
-        Swim(
-            asked=a,
-            frequency=f,
-            speed=v,
-            tip=tip,
-            joints=tuple(np.radians(j[::2]) * np.exp(1j * np.radians(j[1::2]))),
-        )
-        for a, f, v, tip, *j in rows
-    ]
+        lines = [line for line in file if not line.startswith("#")]
+    return [read_swim(cells) for cells in csv.reader(lines)]
+
+
+def read_swim(cells: Sequence[str]) -> Swim:
+    """A row of the table."""
+    asked, frequency, speed, tip, *joints = map(float, cells)
+    amplitudes = np.radians(joints[::2])
+    phases = np.radians(joints[1::2])
+    return Swim(
+        asked=asked,
+        frequency=frequency,
+        speed=speed,
+        tip=tip,
+        joints=tuple(amplitudes * np.exp(1j * phases)),
+    )
 
 
 def gait(swim: Swim) -> lc.Gait:
     """Its joints over some cycles, from straight."""
     time = np.arange(N_CYCLES * N_SAMPLES + 1) / N_SAMPLES / swim.frequency
     phase = 2.0 * np.pi * swim.frequency * time
-    angle = np.real(np.outer(swim.joints, np.exp(1j * phase))) * -np.expm1(-phase / 2.0 / np.pi)
+    growth = -np.expm1(-phase / 2.0 / np.pi)
+    angle = np.real(np.outer(swim.joints, np.exp(1j * phase))) * growth
     return lc.recorded_gait(lc.JointAngles(time=tuple(time), angle=tuple(map(tuple, angle))))
 
 
@@ -127,7 +138,7 @@ def without_bars() -> lc.Robot:
     return replace(with_rectangle(), drag_areas=())
 
 
-def swum(swim: Swim, water: lc.Water, robot: lc.Robot | str = "tendon-fish") -> lc.Trial:
+def run(swim: Swim, water: lc.Water, robot: lc.Robot | str = "tendon-fish") -> lc.Trial:
     """The run."""
     period = 1.0 / swim.frequency
     return lc.swim(
@@ -142,7 +153,7 @@ def swum(swim: Swim, water: lc.Water, robot: lc.Robot | str = "tendon-fish") -> 
 
 def speed(swim: Swim, water: lc.Water) -> float:
     """Simulated, over the last three cycles [m/s]."""
-    return steady_speed(swim, swum(swim, water))
+    return steady_speed(swim, run(swim, water))
 
 
 def steady_speed(swim: Swim, trial: lc.Trial) -> float:
@@ -160,91 +171,121 @@ def null_models(swim: Swim) -> Mapping[str, float]:
     }
 
 
-def reduced(asked: str, folder: Path) -> Swim:
+def reduce_markers(asked: str, folder: Path) -> Swim:
     """A video's markers as a table's row."""
-    seen = np.loadtxt(folder / f"markers_{asked}.csv", delimiter=",").reshape(-1, 9, 2) * (
-        1.0,
-        -1.0,
-    )
-    seen *= HEAD / np.linalg.norm(seen[:, 1] - seen[:, 0], axis=1).mean()
-    time = np.arange(len(seen)) / RATE
-    axis = (seen[:, 1] - seen[:, 0]) @ (1.0, 1j)
+    pixels = np.loadtxt(folder / f"markers_{asked}.csv", delimiter=",").reshape(-1, 9, 2)
+    markers = pixels @ (1.0, -1j)  # places as complex numbers; a picture's y goes down
+    markers *= HEAD / np.abs(markers[:, 1] - markers[:, 0]).mean()
+    time = np.arange(len(markers)) / RATE
+    axis = markers[:, 1] - markers[:, 0]
     axis /= np.abs(axis)
-    tail = ((seen[:, 3:] - seen[:, :1]) @ (1.0, 1j) / axis[:, None]).imag  # beside the head's axis
-    trials = 2.0 * np.pi * np.linspace(0.25, 2.4, 4000)
-    left = [_harmonic(w, time, tail[:, -1])[1] for w in trials]
-    w = float(trials[int(np.argmin(left))])
-    waves = np.array([_harmonic(w, time, one)[0] for one in tail.T])
-    phases = np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False))
-    angles = np.array([_bent(np.real(waves * one)) for one in phases])
-    joints = 2.0 * np.mean(angles * np.conj(phases)[:, None], axis=0) / (waves[-1] / abs(waves[-1]))
-    head = seen[:, :2].mean(axis=1)
-    path = np.stack([np.polyval(np.polyfit(time, one, 3), time) for one in head.T], axis=1)
-    along = float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum() / time[-1])
+    beside_axis = ((markers[:, 3:] - markers[:, :1]) / axis[:, None]).imag
+    frequency = _frequency_of(time, beside_axis[:, -1])
+    waves = np.array([_harmonic(frequency, time, values).wave for values in beside_axis.T])
+    head = markers[:, :2].mean(axis=1)
     # Angles here grow from head to tail and to the left of a fish seen from behind: tail first they
     # turn the other way.
+    joints = -_joint_waves(waves)[::-1]
     return Swim(
         asked=float(asked.replace("_", ".")),
-        frequency=w / 2.0 / np.pi,
-        speed=along,
+        frequency=frequency / 2.0 / np.pi,
+        speed=_speed_along_path(time, head),
         tip=float(abs(waves[-1])),
-        joints=tuple(-joints[::-1]),
+        joints=tuple(joints),
     )
 
 
-def _harmonic(w: float, time: np.ndarray, values: np.ndarray) -> tuple[complex, float]:
-    """Amplitude and phase of the first harmonic, beside a mean and the second; and the sum of squares that is left."""
+def _frequency_of(time: np.ndarray, values: np.ndarray) -> float:
+    """The angular frequency whose harmonics leave least of the values [rad/s]."""
+    frequencies = 2.0 * np.pi * np.linspace(0.25, 2.4, 4000)
+    remainders = [_harmonic(frequency, time, values).remainder for frequency in frequencies]
+    return float(frequencies[int(np.argmin(remainders))])
+
+
+def _joint_waves(waves: np.ndarray) -> np.ndarray:
+    """Amplitude and phase of the joints, head first, from those of the markers; phases are the tip's."""
+    phases = np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False))
+    angles = np.array([_bent(np.real(waves * phase)) for phase in phases])
+    first_harmonic = 2.0 * np.mean(angles * np.conj(phases)[:, None], axis=0)
+    phase_of_tip = waves[-1] / abs(waves[-1])
+    return first_harmonic / phase_of_tip
+
+
+def _speed_along_path(time: np.ndarray, head: np.ndarray) -> float:
+    """Mean speed along a smooth path of the head [m/s]."""
+    x = np.polyval(np.polyfit(time, head.real, 3), time)
+    y = np.polyval(np.polyfit(time, head.imag, 3), time)
+    length = np.hypot(np.diff(x), np.diff(y)).sum()
+    return float(length / time[-1])
+
+
+class Harmonic(NamedTuple):
+    """The first harmonic of values over time."""
+
+    wave: complex
+    """Its amplitude and phase."""
+    remainder: float
+    """Sum of squares that is left beside it, a mean and the second harmonic."""
+
+
+def _harmonic(frequency: float, time: np.ndarray, values: np.ndarray) -> Harmonic:
+    """Fit a mean and two harmonics of an angular frequency [rad/s]."""
+    phase = frequency * time
     columns = [
         np.ones_like(time),
-        *(wave(k * w * time) for k in (1, 2) for wave in (np.cos, np.sin)),
+        np.cos(phase),
+        np.sin(phase),
+        np.cos(2 * phase),
+        np.sin(2 * phase),
     ]
-    found = np.linalg.lstsq(np.stack(columns, axis=1), values, rcond=None)
-    return complex(found[0][1], -found[0][2]), float(found[1][0])
+    numbers, remainders, *_ = np.linalg.lstsq(np.stack(columns, axis=1), values, rcond=None)
+    return Harmonic(complex(numbers[1], -numbers[2]), float(remainders[0]))
 
 
 def _bent(beside: np.ndarray) -> np.ndarray:
     """Angles of the joints, head first, whose markers are so far beside the head's axis [m]."""
 
-    def missed(angle: np.ndarray) -> np.ndarray:
+    def residuals(angle: np.ndarray) -> np.ndarray:
         lean = np.sin(np.cumsum(angle))
         joint = np.concatenate(([0.0], np.cumsum(np.diff(JOINTS) * lean[:-1])))
-        place = np.append(joint, joint[-1]) + BEHIND * np.append(lean, lean[-1])
-        return np.concatenate(((place - beside) / PLACE, np.diff(angle) / TURN, angle[:1] / 0.5))
+        marker = np.append(joint, joint[-1]) + BEHIND * np.append(lean, lean[-1])
+        return np.concatenate(((marker - beside) / PLACE, np.diff(angle) / TURN, angle[:1] / 0.5))
 
-    return least_squares(missed, np.zeros(JOINTS.size)).x
+    return least_squares(residuals, np.zeros(JOINTS.size)).x
 
 
 def record(folder: Path) -> None:
     """Write the table."""
     lines = [
-        "# asked_hz,frequency_hz,speed_m_s,tip_m, then amplitude_deg,phase_deg of every joint, tail first"
-    ]
-    for one in (reduced(name, folder) for name in VIDEOS):
-        joints = [
-            cell for c in one.joints for cell in (np.degrees(abs(c)), np.degrees(np.angle(c)))
-        ]
-        lines.append(
-            f"{one.asked:.2f},{one.frequency:.4f},{one.speed:.4f},{one.tip:.4f},"
-            + ",".join(f"{x:.1f}" for x in joints)
-        )
-    notice = (
         "# Reduced from github.com/srl-ethz/fishsim, Data/Markers "
-        "(MIT License, Copyright (c) 2026 Soft Robotics Lab)"
-    )
-    TABLE.write_text("\n".join([notice, *lines]) + "\n", encoding="utf-8")
+        "(MIT License, Copyright (c) 2026 Soft Robotics Lab)",
+        "# asked_hz,frequency_hz,speed_m_s,tip_m, then amplitude_deg,phase_deg of every joint, tail first",
+    ]
+    for video in VIDEOS:
+        swim = reduce_markers(video, folder)
+        cells = [f"{swim.asked:.2f}", f"{swim.frequency:.4f}", f"{swim.speed:.4f}"]
+        cells.append(f"{swim.tip:.4f}")
+        for wave in swim.joints:
+            cells += [f"{np.degrees(abs(wave)):.1f}", f"{np.degrees(np.angle(wave)):.1f}"]
+        lines.append(",".join(cells))
+    TABLE.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 def main() -> None:
     """The table, or its file."""
     options = argparse.ArgumentParser()
     options.add_argument("--markers", type=Path)
-    if folder := options.parse_args().markers:
+    folder = options.parse_args().markers
+    if folder:
         record(folder)
-        return
-    rows = swims()
-    print(" " * 34 + "".join(f"{one.frequency:>15.3f} Hz" for one in rows))
-    print(f"{'measured [m/s]':34}" + "".join(f"{one.speed:>18.3f}" for one in rows))
-    ways: dict[str, tuple[lc.Robot | str, dict[str, Any]]] = {
+    else:
+        print_table(swims())
+
+
+def print_table(measured: Sequence[Swim]) -> None:
+    print(" " * 34 + "".join(f"{swim.frequency:>15.3f} Hz" for swim in measured))
+    print(f"{'measured [m/s]':34}" + "".join(f"{swim.speed:>18.3f}" for swim in measured))
+    models: dict[str, tuple[lc.Robot | str, dict[str, Any]]] = {
         "fin as body, no bars": (without_bars(), {"trailing_edge": "elongated", **AS_A_BODY}),
         "plates": (without_bars(), {"trailing_edge": "elongated"}),
         "plates and bars": (with_rectangle(), {"trailing_edge": "elongated"}),
@@ -257,20 +298,23 @@ def main() -> None:
         "textbook, beta 1": ("tendon-fish", {"drag": lc.TotalSpeedDrag(beta=1.0)}),
         "textbook, no shed edge": ("tendon-fish", {"trailing_edge": "none"}),
     }
-    found: dict[str, list[float]] = {}
-    for name, (robot, changes) in ways.items():
-        trials = [swum(one, textbook(one, robot, **changes), robot) for one in rows]
-        found[name] = [steady_speed(one, trial) for one, trial in zip(rows, trials, strict=True)]
+    speeds: dict[str, list[float]] = {}
+    for name, (robot, changes) in models.items():
+        trials = [run(swim, textbook(swim, robot, **changes), robot) for swim in measured]
+        speeds[name] = [
+            steady_speed(swim, trial) for swim, trial in zip(measured, trials, strict=True)
+        ]
         incidences = [f"{np.degrees(trial.edge_incidence):.0f} deg" for trial in trials]
         print(f"{f'incidence: {name}':34}" + "".join(f"{angle:>18}" for angle in incidences))
-    found["paper-lateral"] = [speed(one, lc.load_water("paper-lateral")) for one in rows]
-    for name in null_models(rows[0]):
-        found[name] = [null_models(one)[name] for one in rows]
-    for name, speeds in found.items():
-        cells = [
-            f"{v:.3f} ({100 * (v / one.speed - 1):+.0f} %)"
-            for v, one in zip(speeds, rows, strict=True)
-        ]
+    paper_water = lc.load_water("paper-lateral")
+    speeds["paper-lateral"] = [speed(swim, paper_water) for swim in measured]
+    for name in null_models(measured[0]):
+        speeds[name] = [null_models(swim)[name] for swim in measured]
+    for name, speeds_of_model in speeds.items():
+        cells: list[str] = []
+        for simulated, swim in zip(speeds_of_model, measured, strict=True):
+            error = 100 * (simulated / swim.speed - 1)
+            cells.append(f"{simulated:.3f} ({error:+.0f} %)")
         print(f"{name:34}" + "".join(f"{cell:>18}" for cell in cells))
 
 
