@@ -11,31 +11,37 @@ assertions (also the `strict` of zip) and what only type checkers read stay as t
 import ast
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 EDGES = {ast.Lt: ast.LtE, ast.LtE: ast.Lt, ast.Gt: ast.GtE, ast.GtE: ast.Gt}
+"""Comparisons that let their edge in, or out."""
 OPPOSITES: dict[type[ast.cmpop], type[ast.cmpop]] = {
-    **{
-        ast.Lt: ast.GtE,
-        ast.GtE: ast.Lt,
-        ast.Gt: ast.LtE,
-        ast.LtE: ast.Gt,
-        ast.Eq: ast.NotEq,
-        ast.NotEq: ast.Eq,
-    },
-    **{ast.Is: ast.IsNot, ast.IsNot: ast.Is, ast.In: ast.NotIn, ast.NotIn: ast.In},
+    ast.Lt: ast.GtE,
+    ast.GtE: ast.Lt,
+    ast.Gt: ast.LtE,
+    ast.LtE: ast.Gt,
+    ast.Eq: ast.NotEq,
+    ast.NotEq: ast.Eq,
+    ast.Is: ast.IsNot,
+    ast.IsNot: ast.Is,
+    ast.In: ast.NotIn,
+    ast.NotIn: ast.In,
 }
+"""Comparisons that are the wrong way round."""
 ARITHMETIC: dict[type[ast.operator], type[ast.operator]] = {
-    **{
-        ast.Add: ast.Sub,
-        ast.Sub: ast.Add,
-        ast.Mult: ast.Div,
-        ast.Div: ast.Mult,
-        ast.FloorDiv: ast.Div,
-    },
-    **{ast.Mod: ast.Mult, ast.Pow: ast.Mult, ast.LShift: ast.RShift, ast.RShift: ast.LShift},
-    **{ast.BitAnd: ast.BitOr, ast.BitOr: ast.BitAnd},
+    ast.Add: ast.Sub,
+    ast.Sub: ast.Add,
+    ast.Mult: ast.Div,
+    ast.Div: ast.Mult,
+    ast.FloorDiv: ast.Div,
+    ast.Mod: ast.Mult,
+    ast.Pow: ast.Mult,
+    ast.LShift: ast.RShift,
+    ast.RShift: ast.LShift,
+    ast.BitAnd: ast.BitOr,
+    ast.BitOr: ast.BitAnd,
 }
+"""Operators, and their opposites."""
 NAMES = {
     "min": "max",
     "max": "min",
@@ -44,7 +50,11 @@ NAMES = {
     "minimum": "maximum",
     "maximum": "minimum",
 }
+"""Functions for one another."""
 TYPING = ("Literal", "Annotated", "TypeVar", "cast")
+"""What only type checkers read."""
+TYPES = ("None", "int", "float", "bool", "str", "list", "tuple")
+"""Names of types that begin with a small letter."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,8 +79,11 @@ def mutants_of(text: str) -> list[Mutant]:
     """All of a file's text, in the order of the text."""
     tree = ast.parse(text)
     lines = [line.encode() for line in text.splitlines(keepends=True)]
-    found = {one.text: one for one in (_mutant(lines, *fault) for fault in _faults(tree, _Place()))}
-    return list(found.values())
+    mutants: dict[str, Mutant] = {}
+    for fault in _faults(tree, _Place()):
+        mutant = _mutant(lines, fault)
+        mutants[mutant.text] = mutant
+    return list(mutants.values())
 
 
 @dataclass(frozen=True)
@@ -78,9 +91,13 @@ class _Place:
     """Where a node is."""
 
     names: tuple[str, ...] = ()
+    """Of the classes and functions that it is in."""
     outer: ast.FunctionDef | None = None
+    """The outermost function that it is in."""
     qualified: str = ""
+    """Its qualified name."""
     holder: ast.JoinedStr | None = None
+    """The formatted text that it is a part of."""
 
     def inside(self, node: ast.AST) -> "_Place":
         if isinstance(node, ast.JoinedStr):
@@ -93,11 +110,16 @@ class _Place:
         return self
 
 
-Fault = tuple[_Place, ast.AST, str]
+class Fault(NamedTuple):
+    """Another text in the place of a node."""
+
+    place: _Place
+    node: Any
+    text: str
 
 
 def _faults(node: ast.AST, place: _Place) -> Iterator[Fault]:
-    """The place, the node that is written anew, and how, of every fault in a node and what is in it."""
+    """Every fault in a node and what is in it."""
     for field, value in ast.iter_fields(node):
         if field in ("annotation", "returns", "decorator_list"):
             continue
@@ -105,25 +127,14 @@ def _faults(node: ast.AST, place: _Place) -> Iterator[Fault]:
             if _is_for_checkers(child):
                 continue
             within = place.inside(child)
-            for new in _of_expression(child) if isinstance(child, ast.expr) else ():
-                if within.holder is None or child is within.holder:
-                    yield (
-                        place,
-                        child,
-                        ast.unparse(new)
-                        if isinstance(new, ast.Constant)
-                        else f"({ast.unparse(new)})",
-                    )
-                else:  # where a part of such a text stands is not known before Python 3.12: it is written as a whole
-                    swap(new)
-                    yield place, within.holder, ast.unparse(within.holder)
-                    swap(child)
+            if isinstance(child, ast.expr):
+                yield from _faults_of_expression(child, swap, place, within.holder)
             if isinstance(child, ast.stmt):
-                yield from ((place, child, text) for text in _of_statement(child))
-            if isinstance(child, ast.If | ast.IfExp | ast.While) and isinstance(
-                child.test, ast.Name | ast.Call | ast.Attribute
-            ):
-                yield place, child.test, f"(not {ast.unparse(child.test)})"
+                for text in _of_statement(child):
+                    yield Fault(place, child, text)
+            if isinstance(child, ast.If | ast.IfExp | ast.While):
+                if isinstance(child.test, ast.Name | ast.Call | ast.Attribute):
+                    yield Fault(place, child.test, f"(not {ast.unparse(child.test)})")
             if isinstance(child, ast.FunctionDef):  # defaults are made where it is defined
                 yield from _faults(child.args, place)
                 yield from _faults(ast.Module(child.body, []), within)
@@ -131,21 +142,37 @@ def _faults(node: ast.AST, place: _Place) -> Iterator[Fault]:
                 yield from _faults(child, within)
 
 
+def _faults_of_expression(
+    node: ast.expr, swap: Any, place: _Place, holder: ast.JoinedStr | None
+) -> Iterator[Fault]:
+    """Other expressions in the place of one, which may be a part of a formatted text, the holder."""
+    for new in _of_expression(node):
+        if holder is not None and node is not holder:
+            # Where a part of such a text stands is not known before Python 3.12: it is written as a whole.
+            swap(new)
+            yield Fault(place, holder, ast.unparse(holder))
+            swap(node)
+        elif isinstance(new, ast.Constant):
+            yield Fault(place, node, ast.unparse(new))
+        else:
+            yield Fault(place, node, f"({ast.unparse(new)})")
+
+
 def _children(node: ast.AST, field: str, value: Any) -> Iterator[tuple[ast.AST, Any]]:
     """The nodes in a field, and what puts another in the place of each."""
     if isinstance(value, ast.AST):
         yield value, lambda new: setattr(node, field, new)
     elif isinstance(value, list):
-        for i, one in enumerate(value):
-            if isinstance(one, ast.AST):
-                yield one, lambda new, i=i: value.__setitem__(i, new)
+        for i, child in enumerate(value):
+            if isinstance(child, ast.AST):
+                yield child, lambda new, i=i: value.__setitem__(i, new)
 
 
 def _is_for_checkers(node: ast.AST) -> bool:
     """Whether a node only says something to people or to checkers of types."""
-    if (isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)) or getattr(
-        node, "arg", ""
-    ) == "strict":
+    if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):  # a docstring
+        return True
+    if getattr(node, "arg", "") == "strict":
         return True
     if isinstance(node, ast.Assert | ast.Import | ast.ImportFrom | ast.pattern | ast.arguments):
         return True
@@ -153,30 +180,29 @@ def _is_for_checkers(node: ast.AST) -> bool:
         return isinstance(node.annotation, ast.Name) and node.annotation.id == "TypeAlias"
     if isinstance(node, ast.If):
         return isinstance(node.test, ast.Name) and node.test.id == "TYPE_CHECKING"
-    called = (
-        node.func
-        if isinstance(node, ast.Call)
-        else node.value
-        if isinstance(node, ast.Subscript)
-        else None
-    )
-    return isinstance(called, ast.Name) and called.id in TYPING
+    if isinstance(node, ast.Call):
+        return isinstance(node.func, ast.Name) and node.func.id in TYPING
+    if isinstance(node, ast.Subscript):
+        return isinstance(node.value, ast.Name) and node.value.id in TYPING
+    return False
 
 
 def _of_expression(node: ast.expr) -> Iterator[ast.expr]:
     match node:
         case ast.Compare(ops=[*operators]):
-            for i, one in enumerate(operators):
+            for i, operator in enumerate(operators):
                 for table in (EDGES, OPPOSITES):
-                    if type(one) in table:
-                        swapped = [*operators[:i], table[type(one)](), *operators[i + 1 :]]
+                    if type(operator) in table:
+                        swapped = [*operators[:i], table[type(operator)](), *operators[i + 1 :]]
                         yield ast.Compare(node.left, swapped, node.comparators)
-        case ast.BoolOp(op=one):
-            yield ast.BoolOp(ast.Or() if isinstance(one, ast.And) else ast.And(), node.values)
+        case ast.BoolOp(op=ast.And()):
+            yield ast.BoolOp(ast.Or(), node.values)
+        case ast.BoolOp(op=ast.Or()):
+            yield ast.BoolOp(ast.And(), node.values)
         case ast.UnaryOp(op=ast.Not() | ast.USub() | ast.Invert()):
             yield node.operand
-        case ast.BinOp(op=one) if type(one) in ARITHMETIC and not _is_union(node):
-            yield ast.BinOp(node.left, ARITHMETIC[type(one)](), node.right)
+        case ast.BinOp(op=operator) if type(operator) in ARITHMETIC and not _is_union(node):
+            yield ast.BinOp(node.left, ARITHMETIC[type(operator)](), node.right)
         case ast.Constant(value=bool()):
             yield ast.Constant(not node.value)
         case ast.Constant(value=int() | float() as number):
@@ -196,11 +222,13 @@ def _is_union(node: ast.BinOp) -> bool:
     """Whether it is a union of types, as far as its text tells."""
     if not isinstance(node.op, ast.BitOr):
         return False
-    ends = [ast.unparse(one).split("[")[0].split(".")[-1] for one in (node.left, node.right)]
-    return any(
-        end[:1].isupper() or end in ("None", "int", "float", "bool", "str", "list", "tuple")
-        for end in ends
-    )
+    return _is_type(node.left) or _is_type(node.right)
+
+
+def _is_type(node: ast.expr) -> bool:
+    name, *_ = ast.unparse(node).split("[")
+    *_, last_part = name.split(".")
+    return last_part[:1].isupper() or last_part in TYPES
 
 
 def _of_statement(node: ast.stmt) -> Iterator[str]:
@@ -219,30 +247,32 @@ def _of_statement(node: ast.stmt) -> Iterator[str]:
             yield "break"
 
 
-def _mutant(lines: list[bytes], place: _Place, node: Any, new: str) -> Mutant:
+def _mutant(lines: list[bytes], fault: Fault) -> Mutant:
+    node = fault.node
     begin, end = node.lineno - 1, node.end_lineno - 1
-    head, tail = lines[begin][: node.col_offset], lines[end][node.end_col_offset :]
-    changed = head + new.encode() + tail
-    text = b"".join(
-        [
-            *lines[:begin],
-            changed,
-            b"\n" * (end - begin) if tail.endswith(b"\n") else b"",
-            *lines[end + 1 :],
-        ]
-    )
-    outer = place.outer
-    first = (
-        0 if outer is None else min([outer.lineno, *(one.lineno for one in outer.decorator_list)])
-    )
+    head = lines[begin][: node.col_offset]
+    tail = lines[end][node.end_col_offset :]
+    changed = head + fault.text.encode() + tail
+    lines_lost = b""
+    if tail.endswith(b"\n"):
+        lines_lost = b"\n" * (end - begin)  # other lines keep their numbers
+    text = b"".join([*lines[:begin], changed, lines_lost, *lines[end + 1 :]])
     return Mutant(
-        function=place.qualified,
+        function=fault.place.qualified,
         line=node.lineno,
-        first=first,
+        first=_first_line(fault.place.outer),
         before=_in_one(b"".join(lines[begin : end + 1])),
         after=_in_one(changed),
         text=text.decode(),
     )
+
+
+def _first_line(function: ast.FunctionDef | None) -> int:
+    """Line of a function's definition with its decorators; 0 without one."""
+    if function is None:
+        return 0
+    decorators = [decorator.lineno for decorator in function.decorator_list]
+    return min([function.lineno, *decorators])
 
 
 def _in_one(lines: bytes) -> str:

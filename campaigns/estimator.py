@@ -73,10 +73,12 @@ of the filter's own variances):
 import argparse
 import math
 import time
+from collections import deque
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
-from typing import Any
+from functools import partial
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -93,25 +95,37 @@ from laticauda.control.estimation import (
 from laticauda.robot import load_water
 from laticauda.robot.kinematics import Posture
 
-INTERVAL = 0.01  # between two samples of everything [s]
-SETTLED = 3.0  # errors count from here on [s]
+INTERVAL = 0.01
+"""Time between two samples of everything [s]."""
+SETTLED = 3.0
+"""Time from which errors count [s]."""
 BACKLASH = math.radians(0.5)
+"""Play of the joints [rad]."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Sensors:
     """How bad the sensors are."""
 
-    position: float = 0.001  # m
+    position: float = 0.001
+    """Noise of the marker body's position [m]."""
     yaw: float = math.radians(0.1)
+    """Noise of its yaw [rad]."""
     joint: float = math.radians(0.2)
+    """Noise of joint angles [rad]."""
     backlash: float = BACKLASH
-    torque: float = 0.1  # N m
+    torque: float = 0.1
+    """Noise of joint torques [N m]."""
     lost: float = 0.1
+    """Share of frames that are lost."""
     outliers: float = 0.005
-    latency: float = 0.01  # s
-    drop_out: float = 1.0  # s
-    between: float = 10.0  # s, about, from one drop-out to the next; inf: none
+    """Share of frames that are reflections."""
+    latency: float = 0.01
+    """Delay of frames [s]."""
+    drop_out: float = 1.0
+    """Duration of a drop-out [s]."""
+    between: float = 10.0
+    """Time from one drop-out to the next, about; inf: none [s]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -149,7 +163,7 @@ def truth(case: Case, duration: float) -> lc.Trial:
         frequency=math.radians(case.frequency_deg_s),
         phase_shift=math.radians(40.0),
     )
-    body = lc.build_plant(lc.load_robot(case.robot), water_of(case), joints="servo")
+    plant = lc.build_plant(lc.load_robot(case.robot), water_of(case), joints="servo")
     controller: Any = lc.OpenLoop(command=lc.Command(gait=gait))
     if case.is_following:
         controller = lc.PathFollowing(
@@ -159,68 +173,94 @@ def truth(case: Case, duration: float) -> lc.Trial:
             heading=lc.HeadingController(gain=0.4, max_offset=math.radians(20.0)),
         )
     start = lc.Start(center_of_mass=(0.0, 1.2), heading=math.radians(8.0))
-    return lc.run(body, controller, duration, start=start, sample_interval=INTERVAL)
+    return lc.run(plant, controller, duration, start=start, sample_interval=INTERVAL)
 
 
-def sensed(
-    trial: lc.Trial, sensors: Sensors, seed: int
-) -> tuple[list[tuple[float, Sample]], np.ndarray]:
-    """What the sensors make of it: samples with the time of their arrival, in that order, and which times drop out."""
+class Arrival(NamedTuple):
+    """A sample that arrives."""
+
+    time: float
+    """When [s]."""
+    sample: Sample
+
+    @property
+    def rank(self) -> tuple[float, int]:
+        """By which arrivals are sorted: of those at the same time, references come first and poses last."""
+        kinds = (ReferenceSample, JointSample, PoseSample)
+        return self.time, kinds.index(type(self.sample))
+
+
+class Sensed(NamedTuple):
+    """What the sensors make of a trial."""
+
+    arrivals: list[Arrival]
+    """In the order of their arrival."""
+    is_dropped: np.ndarray
+    """Whether there are no frames at all, by the trial's times."""
+
+
+def sense(trial: lc.Trial, sensors: Sensors, seed: int) -> Sensed:
+    """What the sensors make of a trial."""
     chance = np.random.default_rng(seed)
-    n, chain = trial.time.size, trial.robot.planar()
+    n = trial.time.size
+    chain = trial.robot.planar()
     marker = Posture(chain, trial.center_of_mass, trial.link_angle).link_centers[:, 0]
     marker = marker + chance.normal(0.0, sensors.position, marker.shape)
     yaw = trial.link_angle[:, 0] + chance.normal(0.0, sensors.yaw, n)
     leads = 0.5 * sensors.backlash * np.tanh(trial.joint_torque / 0.2)
     joint = trial.joint_angle + leads + chance.normal(0.0, sensors.joint, trial.joint_angle.shape)
     torque = trial.joint_torque + chance.normal(0.0, sensors.torque, joint.shape)
-    dropped = drop_outs(trial.time, sensors, chance)
-    is_lost = dropped | (chance.random(n) < sensors.lost)
-    astray = chance.random(n) < sensors.outliers
-    marker[astray] += chance.normal(0.0, 0.3, (int(astray.sum()), 2))
+    is_dropped = draw_drop_outs(trial.time, sensors, chance)
+    is_lost = is_dropped | (chance.random(n) < sensors.lost)
+    is_outlier = chance.random(n) < sensors.outliers
+    marker[is_outlier] += chance.normal(0.0, 0.3, (int(is_outlier.sum()), 2))
     assert trial.gait is not None
-    found: list[tuple[float, int, Sample]] = []
+    arrivals: list[Arrival] = []
     for k, now in enumerate(trial.time.tolist()):
-        asked = ReferenceSample(
+        reference = ReferenceSample(
             time=now, angle=trial.joint_angle_ref[k], frequency=trial.gait.frequency
         )
-        found.append((now, 0, asked))
-        found.append((now, 1, JointSample(time=now, angle=joint[k], torque=torque[k])))
+        arrivals.append(Arrival(now, reference))
+        measured = JointSample(time=now, angle=joint[k], torque=torque[k])
+        arrivals.append(Arrival(now, measured))
         if not is_lost[k]:
-            place = np.array([marker[k, 0], marker[k, 1], -0.15])
-            found.append(
-                (
-                    now + sensors.latency,
-                    2,
-                    PoseSample(time=now, position=place, rotation=_turned(yaw[k])),
-                )
-            )
-    found.sort(key=lambda item: item[:2])
-    return [(arrival, sample) for arrival, _, sample in found], dropped
+            position = np.array([marker[k, 0], marker[k, 1], -0.15])
+            pose = PoseSample(time=now, position=position, rotation=_rotation_of(yaw[k]))
+            arrivals.append(Arrival(now + sensors.latency, pose))
+    arrivals.sort(key=lambda arrival: arrival.rank)
+    return Sensed(arrivals, is_dropped)
 
 
-def drop_outs(times: np.ndarray, sensors: Sensors, chance: np.random.Generator) -> np.ndarray:
+def draw_drop_outs(times: np.ndarray, sensors: Sensors, chance: np.random.Generator) -> np.ndarray:
     """Which times have no frames at all."""
-    dropped = np.zeros(times.size, dtype=bool)
+    is_dropped = np.zeros(times.size, dtype=bool)
     begin = SETTLED + chance.uniform(0.5, 1.0) * sensors.between
     while math.isfinite(begin) and begin + sensors.drop_out < times[-1]:
-        dropped |= (times >= begin) & (times < begin + sensors.drop_out)
+        is_dropped |= (times >= begin) & (times < begin + sensors.drop_out)
         begin += chance.uniform(0.6, 1.4) * sensors.between
-    return dropped
+    return is_dropped
 
 
-def estimated(
-    estimator: Any, arrivals: Sequence[tuple[float, Sample]], times: np.ndarray
-) -> tuple[list[Estimate | None], float]:
-    """The estimates at the ticks of a loop, and the processor time per tick [s]."""
-    state, at, found = estimator.init(), 0, []
+class Estimated(NamedTuple):
+    """What an estimator makes of samples."""
+
+    estimates: list[Estimate | None]
+    """At the ticks of a loop."""
+    cost: float
+    """Processor time per tick [s]."""
+
+
+def estimate(estimator: Any, arrivals: Sequence[Arrival], times: np.ndarray) -> Estimated:
+    """Let an estimator take samples as they arrive, and estimate at every tick."""
+    state = estimator.init()
+    estimates: list[Estimate | None] = []
+    waiting = deque(arrivals)
     begin = time.thread_time()
     for now in times.tolist():
-        while at < len(arrivals) and arrivals[at][0] <= now + 1e-9:
-            state = estimator.step(state, arrivals[at][1])
-            at += 1
-        found.append(estimator.estimate(state, now))
-    return found, (time.thread_time() - begin) / times.size
+        while waiting and waiting[0].time <= now + 1e-9:
+            state = estimator.step(state, waiting.popleft().sample)
+        estimates.append(estimator.estimate(state, now))
+    return Estimated(estimates, (time.thread_time() - begin) / times.size)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -232,84 +272,105 @@ class Errors:
     inside: np.ndarray
 
 
-def errors(trial: lc.Trial, estimates: Sequence[Estimate | None], dropped: np.ndarray) -> Errors:
+def errors(trial: lc.Trial, estimates: Sequence[Estimate | None], is_dropped: np.ndarray) -> Errors:
     """How far the estimates are from the truth."""
-    known = np.array([estimate is not None for estimate in estimates]) & (trial.time >= SETTLED)
-    off = np.zeros((trial.time.size, 2))
-    for k in np.flatnonzero(known):
-        estimate = estimates[k]
-        assert estimate is not None
-        distance = np.linalg.norm(estimate.center_of_mass - trial.center_of_mass[k])
-        off[k] = 1e3 * distance, math.degrees(estimate.heading - trial.heading[k])
+    is_known = np.array([known is not None for known in estimates]) & (trial.time >= SETTLED)
+    errors_of_times = np.zeros((trial.time.size, 2))
+    for k in np.flatnonzero(is_known):
+        known = estimates[k]
+        assert known is not None
+        distance = np.linalg.norm(known.center_of_mass - trial.center_of_mass[k])
+        errors_of_times[k] = 1e3 * distance, math.degrees(known.heading - trial.heading[k])
 
     def of(chosen: np.ndarray) -> np.ndarray:
-        return np.sqrt((off[chosen] ** 2).mean(axis=0)) if chosen.any() else np.zeros(2)
+        if not chosen.any():
+            return np.zeros(2)
+        return _root_mean_square(errors_of_times[chosen])
 
-    return Errors(always=of(known), outside=of(known & ~dropped), inside=of(known & dropped))
+    return Errors(
+        always=of(is_known),
+        outside=of(is_known & ~is_dropped),
+        inside=of(is_known & is_dropped),
+    )
 
 
-def consistency(trial: lc.Trial, estimates: Sequence[Estimate | None]) -> tuple[float, float]:
-    """Mean squared error in units of the stated variance, of place and heading: 1 if the filter knows its errors."""
-    place, heading = [], []
-    for k, estimate in enumerate(estimates):
-        if estimate is None or trial.time[k] < SETTLED:
+def _root_mean_square(values: np.ndarray) -> np.ndarray:
+    """Of every column."""
+    return np.sqrt((values**2).mean(axis=0))
+
+
+class Consistency(NamedTuple):
+    """Mean squared errors in units of the stated variance: 1 if the filter knows its errors."""
+
+    place: float
+    heading: float
+
+
+def consistency(trial: lc.Trial, estimates: Sequence[Estimate | None]) -> Consistency:
+    """How well the filter knows its errors."""
+    place: list[float] = []
+    heading: list[float] = []
+    for k, known in enumerate(estimates):
+        if known is None or trial.time[k] < SETTLED:
             continue
-        off = (estimate.center_of_mass - trial.center_of_mass[k]) / estimate.center_of_mass_std
-        place.append(0.5 * float(off @ off))
-        heading.append(((estimate.heading - trial.heading[k]) / estimate.heading_std) ** 2)
-    return float(np.mean(place)), float(np.mean(heading))
+        place_error = (known.center_of_mass - trial.center_of_mass[k]) / known.center_of_mass_std
+        heading_error = (known.heading - trial.heading[k]) / known.heading_std
+        place.append(0.5 * float(place_error @ place_error))
+        heading.append(heading_error**2)
+    return Consistency(float(np.mean(place)), float(np.mean(heading)))
 
 
-def _turned(yaw: float) -> np.ndarray:
+def _rotation_of(yaw: float) -> np.ndarray:
     c, s = math.cos(yaw), math.sin(yaw)
     return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
 
-def _mean(found: Sequence[Errors]) -> Errors:
+def _mean(errors_of_seeds: Sequence[Errors]) -> Errors:
     """Of several seeds, as a root mean square."""
     return Errors(
-        **{
-            name: np.sqrt(np.mean([getattr(item, name) ** 2 for item in found], axis=0))
-            for name in ("always", "outside", "inside")
-        }
+        always=_root_mean_square(np.array([seed.always for seed in errors_of_seeds])),
+        outside=_root_mean_square(np.array([seed.outside for seed in errors_of_seeds])),
+        inside=_root_mean_square(np.array([seed.inside for seed in errors_of_seeds])),
     )
 
 
-def _shown(found: Errors) -> str:
-    return " ".join(
-        f"{value[0]:6.2f} {value[1]:5.2f}" for value in (found.always, found.outside, found.inside)
-    )
+def _describe(mean: Errors) -> str:
+    cells: list[str] = []
+    for millimeters, degrees in (mean.always, mean.outside, mean.inside):
+        cells.append(f"{millimeters:6.2f} {degrees:5.2f}")
+    return " ".join(cells)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Twin:
     """A digital twin, and how wrong it is: factors."""
 
-    friction: float = 1.0  # C_f
-    drag: float = 1.0  # C_D
-    added: float = 1.0  # C_A and C_M
+    friction: float = 1.0
+    """Of C_f."""
+    drag: float = 1.0
+    """Of C_D."""
+    added: float = 1.0
+    """Of C_A and C_M."""
     servo_gain: float = 1.0
 
     def plant(self, case: Case) -> Any:
         """The plant that runs beside the filter."""
-        water, robot = water_of(case), lc.load_robot(case.robot)
-        other = replace(
+        water = water_of(case)
+        robot = lc.load_robot(case.robot)
+        wrong_water = replace(
             water,
             tangential_friction=self.friction * water.tangential_friction,
             normal_drag=self.drag * water.normal_drag,
             added_mass=self.added * water.added_mass,
             added_inertia=self.added * water.added_inertia,
         )
-        joints = tuple(
-            replace(
-                joint,
-                actuator=replace(
-                    joint.actuator, servo_gain=self.servo_gain * joint.actuator.servo_gain
-                ),
-            )
-            for joint in robot.joints
-        )
-        return lc.build_plant(replace(robot, joints=joints), other, joints="servo")
+        joints: list[Any] = []
+        for joint in robot.joints:
+            servo_gain = self.servo_gain * joint.actuator.servo_gain
+            actuator = replace(joint.actuator, servo_gain=servo_gain)
+            joints.append(replace(joint, actuator=actuator))
+        wrong_robot = replace(robot, joints=tuple(joints))
+        return lc.build_plant(wrong_robot, wrong_water, joints="servo")
 
 
 TWINS = {
@@ -323,33 +384,36 @@ TWINS = {
 def table(case: Case, n_seeds: int, duration: float) -> list[str]:
     """The lines of one run."""
     trial = truth(case, duration)
-    makers: dict[str, Any] = {
+    estimators: dict[str, Any] = {
         name: Estimator(robot=trial.robot, backlash=BACKLASH, plant=twin.plant(case))
         for name, twin in TWINS.items()
     }
-    makers |= {
+    estimators |= {
         "twin, play not told": Estimator(robot=trial.robot, plant=TWINS["twin"].plant(case)),
         "no twin": Estimator(robot=trial.robot, backlash=BACKLASH),
         "kinematics": KinematicEstimator(robot=trial.robot),
     }
     lines = [case.name]
-    for name, estimator in makers.items():
-        found, costs, trust = [], [], []
+    for name, estimator in estimators.items():
+        is_filter = name != "kinematics"
+        sensors = Sensors()
+        if not is_filter:  # it has no defense against reflections, and is spared them
+            sensors = Sensors(outliers=0.0)
+        errors_of_seeds: list[Errors] = []
+        costs: list[float] = []
+        consistencies: list[Consistency] = []
         for seed in range(n_seeds):
-            # Kinematics alone has no defense against reflections: it is spared them.
-            sensors = Sensors(outliers=0.0) if name == "kinematics" else Sensors()
-            arrivals, dropped = sensed(trial, sensors, seed)
-            estimates, cost = estimated(estimator, arrivals, trial.time)
-            found.append(errors(trial, estimates, dropped))
-            costs.append(cost)
-            trust.append(consistency(trial, estimates) if name != "kinematics" else (0.0, 0.0))
-        place, heading = np.mean(trust, axis=0)
-        end = (
-            ""
-            if name == "kinematics"
-            else f"  {1e3 * min(costs):.2f} ms, {place:.1f} {heading:.1f}"
-        )
-        lines.append(f"    {name:20} {_shown(_mean(found))}{end}")
+            sensed = sense(trial, sensors, seed)
+            estimated = estimate(estimator, sensed.arrivals, trial.time)
+            errors_of_seeds.append(errors(trial, estimated.estimates, sensed.is_dropped))
+            costs.append(estimated.cost)
+            if is_filter:
+                consistencies.append(consistency(trial, estimated.estimates))
+        line = f"    {name:20} {_describe(_mean(errors_of_seeds))}"
+        if is_filter:
+            place, heading = np.mean(consistencies, axis=0)
+            line += f"  {1e3 * min(costs):.2f} ms, {place:.1f} {heading:.1f}"
+        lines.append(line)
     return lines
 
 
@@ -361,8 +425,8 @@ def main() -> None:
     options = parser.parse_args()
     print(f"{'':24} {'always':>12} {'outside':>12} {'in drop-outs':>12}   [mm, deg]", flush=True)
     with ProcessPoolExecutor(options.jobs) as pool:
-        given = ([value] * len(CASES) for value in (options.seeds, options.duration))
-        for lines in pool.map(table, CASES, *given):
+        ask = partial(table, n_seeds=options.seeds, duration=options.duration)
+        for lines in pool.map(ask, CASES):
             print("\n".join(lines), flush=True)
 
 

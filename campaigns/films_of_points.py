@@ -33,6 +33,7 @@ import math
 import warnings
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import _rows
 import numpy as np
@@ -51,6 +52,7 @@ WATERS = ("same", "tables", "foreign")
 N_FOREIGN = 20
 """Films in the foreign water."""
 N_DRAWS = 100
+"""Draws of the unknown numbers of a film."""
 N_SWUM = 40
 """Films of each kind whose draws swim with a free root, too."""
 FRAME_RATES = (30.0, 60.0, 120.0, 240.0)
@@ -116,90 +118,152 @@ def gait_of(chance: np.random.Generator, frequency: float, n_joints: int) -> lc.
     )
 
 
-def film(water: str, seed: int) -> Row:
-    """One film, from the swim to the row."""
-    chance = np.random.default_rng(seed)
+@dataclass(frozen=True, kw_only=True)
+class Setting:
+    """What is drawn for a film."""
+
+    robot_name: str
+    robot: lc.Robot
+    frame_rate: float
+    """[1/s]."""
+    frequency: float
+    """Of the gait [Hz]."""
+    gait: lc.Gait
+    n_cycles: float
+    noise_px: float
+    """Noise of points [px]."""
+    share_lost: float
+    """Share of points that are lost."""
+    n_points: int
+
+
+def draw_setting(chance: np.random.Generator, seed: int) -> Setting:
     names = list(robots())
     name = names[seed % len(names)]
     robot = robots()[name]
-    frame_rate = FRAME_RATES[(seed // len(names)) % len(FRAME_RATES)]
     highest = 2.5 if robot.length < 1.0 else 1.2
     frequency = chance.uniform(0.4 * highest, highest)
-    gait = gait_of(chance, frequency, robot.n_joints)
-    n_cycles = chance.uniform(4.0, 10.0)
-    noise_px = chance.uniform(0.5, 2.0)
-    lost = chance.uniform(0.0, 0.1)
-    n_points = int(chance.integers(robot.n_links, robot.n_links + 5))
-    environment = {
-        "same": textbook_of(robot),
-        "foreign": lc.load_water("paper-eel"),
-    }.get(water) or other_water(robot, seed)
-    duration = n_cycles / frequency
-    settling = round(SETTLING / frequency * frame_rate) / frame_rate
-    trial = lc.swim(
-        robot,
-        gait,
-        settling + round(duration * frame_rate) / frame_rate,
+    return Setting(
+        robot_name=name,
+        robot=robot,
+        frame_rate=FRAME_RATES[(seed // len(names)) % len(FRAME_RATES)],
+        frequency=frequency,
+        gait=gait_of(chance, frequency, robot.n_joints),
+        n_cycles=chance.uniform(4.0, 10.0),
+        noise_px=chance.uniform(0.5, 2.0),
+        share_lost=chance.uniform(0.0, 0.1),
+        n_points=int(chance.integers(robot.n_links, robot.n_links + 5)),
+    )
+
+
+def water_of(water: str, robot: lc.Robot, seed: int) -> lc.Water:
+    """The film's water."""
+    if water == "same":
+        return textbook_of(robot)
+    if water == "foreign":
+        return lc.load_water("paper-eel")
+    return other_water(robot, seed)
+
+
+def settling_of(setting: Setting) -> float:
+    """Time of the swim before the film, in whole frames [s]."""
+    return round(SETTLING / setting.frequency * setting.frame_rate) / setting.frame_rate
+
+
+def swim_for_film(setting: Setting, environment: lc.Water) -> lc.Trial:
+    """The swim, with four samples for every frame."""
+    duration = setting.n_cycles / setting.frequency
+    duration = round(duration * setting.frame_rate) / setting.frame_rate
+    return lc.swim(
+        setting.robot,
+        setting.gait,
+        settling_of(setting) + duration,
         environment=environment,
-        dt=min(0.005, 0.01 / frequency),
-        sample_interval=1.0 / (4.0 * frame_rate),
+        dt=min(0.005, 0.01 / setting.frequency),
+        sample_interval=1.0 / (4.0 * setting.frame_rate),
     )
-    along = (np.arange(n_points) + chance.uniform(0.15, 0.85, n_points)) / n_points * robot.length
-    places = marker_places(trial, along.tolist())
-    in_film = trial.time >= settling - 1e-9
-    filmed = np.flatnonzero(in_film)[::4]
-    seen = places[filmed] + noise_px * robot.length / PIXELS * chance.standard_normal(
-        (len(filmed), n_points, 2)
-    )
+
+
+def draw_points(
+    chance: np.random.Generator, setting: Setting, trial: lc.Trial, along: np.ndarray
+) -> TrackedPoints:
+    """What a tracker makes of the film: points at places along the body [m]."""
+    settling = settling_of(setting)
+    length = setting.robot.length
+    filmed = np.flatnonzero(trial.time >= settling - 1e-9)[::4]
+    places = marker_places(trial, along.tolist())[filmed]
+    noise = setting.noise_px * length / PIXELS
+    seen = places + noise * chance.standard_normal(places.shape)
     jumps = chance.random(seen.shape[:2]) < 0.02
-    seen[jumps] += robot.length * chance.uniform(-0.5, 0.5, (jumps.sum(), 2))
-    seen[chance.random(seen.shape[:2]) < lost] = np.nan
-    points = TrackedPoints(
+    seen[jumps] += length * chance.uniform(-0.5, 0.5, (jumps.sum(), 2))
+    seen[chance.random(seen.shape[:2]) < setting.share_lost] = np.nan
+    return TrackedPoints(
         time=trial.time[filmed] - settling,
-        names=tuple(f"point_{i}" for i in range(n_points)),
+        names=tuple(f"point_{i}" for i in range(setting.n_points)),
         position=seen,
         likelihood=np.full(seen.shape[:2], np.nan),
         unit="m",
     )
+
+
+def columns_at(times: Any, trial: lc.Trial, values: np.ndarray) -> np.ndarray:
+    """Columns of a trial's values at other times."""
+    return np.stack([np.interp(times, trial.time, column) for column in values.T], axis=1)
+
+
+def film(water: str, seed: int) -> Row:
+    """One film, from the swim to the row."""
+    chance = np.random.default_rng(seed)
+    setting = draw_setting(chance, seed)
+    robot = setting.robot
+    environment = water_of(water, robot, seed)
+    trial = swim_for_film(setting, environment)
+    n_points = setting.n_points
+    places = np.arange(n_points) + chance.uniform(0.15, 0.85, n_points)
+    along = places / n_points * robot.length
+    points = draw_points(chance, setting, trial, along)
     fit = fit_chain(points, robot, places_at(along))
-    swims = N_DRAWS if seed < N_SWUM else 0
+    n_swims = N_DRAWS if seed < N_SWUM else 0
     assumed = environment if water == "same" else None
-    forces = find_forces(fit, assumed, n_draws=N_DRAWS, n_swims=swims, seed=seed)
+    forces = find_forces(fit, assumed, n_draws=N_DRAWS, n_swims=n_swims, seed=seed)
     figures = forces.figures
-    begin, end = settling + forces.window.begin, settling + forces.window.end
-    center = [
-        [np.interp(t, trial.time, one) for one in trial.center_of_mass.T] for t in (begin, end)
-    ]
-    work = [np.interp(t, trial.time, trial.work[:, 0]) for t in (begin, end)]
-    truth = np.array(
-        [np.interp(forces.window.time + settling, trial.time, one) for one in trial.joint_angle.T]
-    ).T
-    missed = forces.motions.joint_angle.mean(axis=0) - truth
-    spread = forces.motions.joint_angle.std(axis=0)
     speed, power = figures["speed"], figures["mechanical_power"]
+    left_over = figures["left_over_share"]
+    model_low, model_high = math.nan, math.nan
+    if n_swims:
+        model_low = figures["model_speed"].low
+        model_high = figures["model_speed"].high
+    settling = settling_of(setting)
+    window = np.array([forces.window.begin, forces.window.end]) + settling
+    duration = window[1] - window[0]
+    begin, end = columns_at(window, trial, trial.center_of_mass)
+    work_before, work_after = np.interp(window, trial.time, trial.work[:, 0])
+    true_angle = columns_at(forces.window.time + settling, trial, trial.joint_angle)
+    angle_error = forces.motions.joint_angle.mean(axis=0) - true_angle
+    angle_deviation = forces.motions.joint_angle.std(axis=0)
     return Row(
         fault=water,
         seed=seed,
-        robot=name,
-        frequency=round(frequency, 4),
-        frame_rate=frame_rate,
-        noise_px=round(noise_px, 3),
+        robot=setting.robot_name,
+        frequency=round(setting.frequency, 4),
+        frame_rate=setting.frame_rate,
+        noise_px=round(setting.noise_px, 3),
         n_points=n_points,
         n_cycles=forces.window.n_cycles,
-        speed=digits(math.dist(*center) / (end - begin)),
+        speed=digits(math.dist(begin, end) / duration),
         speed_median=digits(speed.median),
         speed_low=digits(speed.low),
         speed_high=digits(speed.high),
-        model_low=digits(figures["model_speed"].low if swims else math.nan),
-        model_high=digits(figures["model_speed"].high if swims else math.nan),
-        power=digits((work[1] - work[0]) / (end - begin)),
+        model_low=digits(model_low),
+        model_high=digits(model_high),
+        power=digits((work_after - work_before) / duration),
         power_median=digits(power.median),
         power_low=digits(power.low),
         power_high=digits(power.high),
-        left_low=digits(figures["left_over_share"].low),
-        left_high=digits(figures["left_over_share"].high),
-        angle_error=digits(math.degrees(math.sqrt(np.mean(missed**2)))),
-        angle_ratio=digits(math.sqrt(np.mean((missed / spread) ** 2))),
+        left_low=digits(left_over.low),
+        left_high=digits(left_over.high),
+        angle_error=digits(math.degrees(math.sqrt(np.mean(angle_error**2)))),
+        angle_ratio=digits(math.sqrt(np.mean((angle_error / angle_deviation) ** 2))),
         fitted_frequency=digits(fit.frequency),
     )
 
@@ -227,35 +291,43 @@ def share(rows: list[Row], low: str, high: str, truth: str) -> float:
     """Share of films whose interval holds the truth."""
     if not rows:
         return math.nan
-    return float(np.mean([getattr(r, low) <= getattr(r, truth) <= getattr(r, high) for r in rows]))
+    is_held = [getattr(row, low) <= getattr(row, truth) <= getattr(row, high) for row in rows]
+    return float(np.mean(is_held))
 
 
 def summary(rows: list[Row]) -> dict[str, float]:
     """Shares and errors of some films."""
-    errors = np.array([abs(r.power_median / r.power - 1.0) for r in rows])
-    bias = np.array([r.power_median / r.power - 1.0 for r in rows])
-    speeds = np.array([abs(r.speed_median / r.speed - 1.0) for r in rows])
+    power_errors = np.array([row.power_median / row.power - 1.0 for row in rows])
+    speed_errors = np.array([row.speed_median / row.speed - 1.0 for row in rows])
+    swum = [row for row in rows if math.isfinite(row.model_low)]
     return {
         "films": len(rows),
         "speed_held": share(rows, "speed_low", "speed_high", "speed"),
-        "speed_error": float(np.median(speeds)),
-        "model_held": share(
-            [r for r in rows if math.isfinite(r.model_low)], "model_low", "model_high", "speed"
-        ),
+        "speed_error": float(np.median(np.abs(speed_errors))),
+        "model_held": share(swum, "model_low", "model_high", "speed"),
         "power_held": share(rows, "power_low", "power_high", "power"),
-        "power_error": float(np.median(errors)),
-        "power_bias": float(np.median(bias)),
-        "zero_left": float(np.mean([r.left_low <= 0.0 <= r.left_high for r in rows])),
-        "angle_error": float(np.median([r.angle_error for r in rows])),
-        "angle_ratio": float(np.median([r.angle_ratio for r in rows])),
+        "power_error": float(np.median(np.abs(power_errors))),
+        "power_bias": float(np.median(power_errors)),
+        "zero_left": float(np.mean([row.left_low <= 0.0 <= row.left_high for row in rows])),
+        "angle_error": float(np.median([row.angle_error for row in rows])),
+        "angle_ratio": float(np.median([row.angle_ratio for row in rows])),
     }
 
 
 def jobs() -> list[tuple[str, int]]:
     """All films, waters mixed so that a part of them says something of all."""
-    numbers = {"same": N_FILMS, "tables": N_FILMS, "foreign": N_FOREIGN}
-    listed = [(water, seed) for water, number in numbers.items() for seed in range(number)]
-    return sorted(listed, key=lambda job: (job[1], WATERS.index(job[0])))
+    mixed: list[tuple[str, int]] = []
+    for seed in range(N_FILMS):
+        mixed += [("same", seed), ("tables", seed)]
+        if seed < N_FOREIGN:
+            mixed.append(("foreign", seed))
+    return mixed
+
+
+def print_summary(water: str, title: str, rows: list[Row]) -> None:
+    if rows:
+        figures = "  ".join(f"{name} {value:.3g}" for name, value in summary(rows).items())
+        print(f"{water:8}{title:15}{figures}")
 
 
 def main() -> None:
@@ -267,19 +339,16 @@ def main() -> None:
     arguments = parser.parse_args()
     rows = _rows.stored(STORED, Row)
     if arguments.run:
-        wanted = jobs()[: arguments.films]
-        rows = _rows.go_on(STORED, Row, wanted, run_one, workers=arguments.jobs)
+        first_jobs = jobs()[: arguments.films]
+        rows = _rows.go_on(STORED, Row, first_jobs, run_one, workers=arguments.jobs)
     for water in WATERS:
-        parts = {"all": [row for row in rows if row.fault == water]}
-        parts |= {
-            f"{rate:g} frames/s": [r for r in parts["all"] if r.frame_rate == rate]
-            for rate in FRAME_RATES
-        }
-        parts |= {name: [r for r in parts["all"] if r.robot == name] for name in robots()}
-        for words, part in parts.items():
-            if part:
-                told = "  ".join(f"{name} {value:.3g}" for name, value in summary(part).items())
-                print(f"{water:8}{words:15}{told}")
+        in_water = [row for row in rows if row.fault == water]
+        print_summary(water, "all", in_water)
+        for rate in FRAME_RATES:
+            at_rate = [row for row in in_water if row.frame_rate == rate]
+            print_summary(water, f"{rate:g} frames/s", at_rate)
+        for name in robots():
+            print_summary(water, name, [row for row in in_water if row.robot == name])
 
 
 if __name__ == "__main__":

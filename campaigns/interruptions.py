@@ -25,6 +25,7 @@ import tempfile
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 
 from _jobs import JOBS, Answers, Job, harm, lay, prepare
 
@@ -32,48 +33,61 @@ ENDS = ("one line and 130", "done", "the signal")
 COLUMNS = ("command", "moments", *ENDS, "longest_s", "faults")
 ANSWERS = Answers(Path(__file__).with_suffix(".csv"), COLUMNS, tuple(JOBS))
 IN_GOOD_ORDER = {"operate", "identify", "lab", "cockpit", "serve"}
-SERVED = 2.0  # of a server's life [s]
-SECOND = (None, None, 0.0, 0.02, 0.3)  # when the second Ctrl-C follows; None: never [s]
-AT_ONCE = 3.0  # on a busy computer [s]
+SERVED = 2.0
+"""Time of a server's life in which it is stopped [s]."""
+SECOND = (None, None, 0.0, 0.02, 0.3)
+"""When the second Ctrl-C follows; None: never [s]."""
+AT_ONCE = 3.0
+"""Time in which a busy computer does something at once [s]."""
 
 
 @dataclass
-class Found:
-    """What became of a command."""
+class Tally:
+    """What became of a command at all moments."""
 
     ends: dict[str, int] = field(default_factory=lambda: dict.fromkeys(ENDS, 0))
+    """How often it ended in each way."""
     longest: float = 0.0
+    """Time until the end at most [s]."""
     faults: list[str] = field(default_factory=list[str])
 
 
-def lines(told: str) -> list[str]:
+class Life(NamedTuple):
+    """A command that is not stopped."""
+
+    duration: float
+    """How long it takes [s]."""
+    lines: list[str]
+    """What it says on standard error."""
+
+
+def lines(text: str) -> list[str]:
     """What was said, without bars, without what the terminal does with Ctrl-C, and without numbers."""
-    plain = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", told.replace("^C", ""))
+    plain = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", text.replace("^C", ""))
     parts = [re.sub(r"[\d.]+", "#", part).strip() for part in re.split(r"[\r\n]", plain)]
     return [part for part in parts if part and "|" not in part]
 
 
-def undisturbed(job: Job, folder: Path) -> tuple[float, list[str]]:
-    """How long a command takes, and what it says on standard error."""
+def run_undisturbed(job: Job, folder: Path) -> Life:
+    """Run a command to its end; a server until it serves, and `SERVED` longer."""
     lay(folder, job)
     running = job.start(folder)
     running.wait_for(1)
-    begun = time.monotonic()
+    begin = time.monotonic()
     if job.is_server:
         running.wait_for(2)
-        begun -= SERVED
-        took = time.monotonic() - begun
+        duration = time.monotonic() - begin + SERVED
         running.interrupt()
-        status, told = running.end()
+        status, text = running.end()
     else:
-        status, told = running.end()
-        took = time.monotonic() - begun
-    assert status == 0, f"{job.words} does not come to its end: {told}"
-    return took, lines(told)
+        status, text = running.end()
+        duration = time.monotonic() - begin
+    assert status == 0, f"{job.words} does not come to its end: {text}"
+    return Life(duration, lines(text))
 
 
-def stopped(
-    name: str, folder: Path, after: float, again: float | None, usual: list[str], found: Found
+def stop(
+    name: str, folder: Path, after: float, again: float | None, usual: list[str], tally: Tally
 ) -> None:
     """Stop a command.
 
@@ -83,7 +97,7 @@ def stopped(
         after: The moment, since the program has begun [s].
         again: When the second Ctrl-C follows; None: never [s].
         usual: What it says if it is not stopped.
-        found: What became of it is added here.
+        tally: What became of it is added here.
     """
     job = JOBS[name]
     older = lay(folder, job)
@@ -95,43 +109,40 @@ def stopped(
         time.sleep(again)
         running.interrupt()
     pressed = time.monotonic()
-    status, told = running.end()
-    took = running.ended - pressed
-    said = [line for line in lines(told) if line not in usual]
-    kind = {130: "one line and 130", 0: "done", -signal.SIGINT: "the signal"}.get(status, "")
-    wrong = harm(folder / "out", older, job, is_whole=False)
-    if re.search("Traceback|Exception ignored|Warning|Error", told):
-        wrong = "a traceback"
-    elif not kind and name not in IN_GOOD_ORDER:
-        wrong = f"status {status}"
-    elif (kind == "one line and 130" and len(said) != 1) or (
-        len(said) > 1 and name not in IN_GOOD_ORDER
-    ):
-        wrong = f"{len(said)} lines"
-    elif kind == "the signal" and again is not None and took > AT_ONCE:
-        wrong = f"{took:.0f} s after the second Ctrl-C"
-    elif n := running.left_over():
-        wrong = f"{n} processes are left"
-    found.ends[kind or "done"] += 1
-    found.longest = max(found.longest, took)
-    if wrong:
-        found.faults.append(f"{wrong} (at {after:.2f} s, again {again}): {told.strip()[-2000:]}")
+    status, text = running.end()
+    delay = running.ended - pressed
+    n_lines = sum(line not in usual for line in lines(text))
+    is_in_good_order = name in IN_GOOD_ORDER
+    end = {130: "one line and 130", 0: "done", -signal.SIGINT: "the signal"}.get(status, "")
+    is_one_line_missing = end == "one line and 130" and n_lines != 1
+    says_too_much = n_lines > 1 and not is_in_good_order
+    fault = harm(folder / "out", older, job, is_whole=False)
+    if re.search("Traceback|Exception ignored|Warning|Error", text):
+        fault = "a traceback"
+    elif not end and not is_in_good_order:
+        fault = f"status {status}"
+    elif is_one_line_missing or says_too_much:
+        fault = f"{n_lines} lines"
+    elif end == "the signal" and again is not None and delay > AT_ONCE:
+        fault = f"{delay:.0f} s after the second Ctrl-C"
+    elif n_processes := running.left_over():
+        fault = f"{n_processes} processes are left"
+    tally.ends[end or "done"] += 1
+    tally.longest = max(tally.longest, delay)
+    if fault:
+        tally.faults.append(f"{fault} (at {after:.2f} s, again {again}): {text.strip()[-2000:]}")
 
 
-def swept(name: str, folder: Path, moments: int, seed: int = 0) -> Found:
+def stop_at_moments(name: str, folder: Path, moments: int, seed: int = 0) -> Tally:
     """Stop a command at moments that lie all over its life, at random within equal parts of it."""
-    chance, found = random.Random(f"{name} {seed}"), Found()
-    took, usual = undisturbed(JOBS[name], folder)
+    chance = random.Random(f"{name} {seed}")
+    tally = Tally()
+    life = run_undisturbed(JOBS[name], folder)
     for k in range(moments):
-        stopped(
-            name,
-            folder,
-            (k + chance.random()) / moments * took,
-            chance.choice(SECOND),
-            usual,
-            found,
-        )
-    return found
+        after = (k + chance.random()) / moments * life.duration
+        again = chance.choice(SECOND)
+        stop(name, folder, after, again, life.lines, tally)
+    return tally
 
 
 def main() -> None:
@@ -144,19 +155,19 @@ def main() -> None:
         prepare(Path(scratch))
         for name in options.only:
             shutil.rmtree(Path(scratch) / "out", ignore_errors=True)
-            found = swept(name, Path(scratch), options.moments)
-            n_faults += len(found.faults)
+            tally = stop_at_moments(name, Path(scratch), options.moments)
+            n_faults += len(tally.faults)
             print(
                 name,
-                found.ends,
-                f"{found.longest:.1f} s",
-                f"{len(found.faults)} faults",
+                tally.ends,
+                f"{tally.longest:.1f} s",
+                f"{len(tally.faults)} faults",
                 sep=" | ",
                 flush=True,
             )
-            for fault in found.faults:
+            for fault in tally.faults:
                 print("    " + fault.replace("\n", "\n    "), flush=True)
-            row = (*found.ends.values(), f"{found.longest:.1f}", len(found.faults))
+            row = (*tally.ends.values(), f"{tally.longest:.1f}", len(tally.faults))
             ANSWERS.keep(name, options.moments, *row)
     sys.exit(n_faults > 0)
 

@@ -19,4 +19,4 @@ def test_ctrl_c_ended_every_command_as_it_should():
     sys.platform != "linux" or shutil.which("setsid") is None, reason="needs a terminal of its own"
 )
 def test_ctrl_c_in_a_terminal_ends_a_command_with_one_line_and_leaves_older_files_whole(tmp_path):
-    assert interruptions.swept("export mjcf", tmp_path, 2).faults == []
+    assert interruptions.stop_at_moments("export mjcf", tmp_path, 2).faults == []

@@ -65,7 +65,7 @@ def test_coupling_brings_the_twins_joints_to_those_that_the_sensors_see():
 
 
 def test_with_the_right_twin_a_gap_in_a_turn_is_bridged(turning):
-    arrivals, _ = campaign().sensed(turning, perfect(), 0)
+    arrivals, _ = campaign().sense(turning, perfect(), 0)
     gap = [item for item in arrivals if not (isinstance(item[1], PoseSample) and item[0] > 5.0)]
     off = []
     for plant in (BODY, None):
@@ -83,7 +83,7 @@ def test_with_the_right_twin_a_gap_in_a_turn_is_bridged(turning):
 
 def test_a_twin_that_knows_the_robots_speed_tells_it_from_a_current():
     moving = swimming(duration=8.0, current=(0.03, 0.05))
-    arrivals, _ = campaign().sensed(moving, campaign().Sensors(between=math.inf), 1)
+    arrivals, _ = campaign().sense(moving, campaign().Sensors(between=math.inf), 1)
     _, alone = last(Estimator(robot=moving.robot, backlash=campaign().BACKLASH), arrivals)
     _, told = last(
         Estimator(robot=moving.robot, backlash=campaign().BACKLASH, plant=BODY), arrivals
@@ -102,7 +102,7 @@ class Exploding(PlanarPlant):
 
 def test_a_twin_that_diverges_is_given_up_and_the_filter_goes_on_without_it():
     trial = swimming()
-    arrivals, _ = campaign().sensed(trial, campaign().Sensors(between=math.inf), 2)
+    arrivals, _ = campaign().sense(trial, campaign().Sensors(between=math.inf), 2)
     body = Exploding(robot=BODY.robot, environment=BODY.environment, settings=BODY.settings)
     estimator = Estimator(robot=trial.robot, backlash=campaign().BACKLASH, plant=body)
     state, estimate = last(estimator, arrivals)
@@ -128,7 +128,7 @@ def test_a_twin_whose_joints_are_elsewhere_is_given_up():
 
 def test_without_references_a_plant_changes_nothing():
     trial = swimming()
-    arrivals, _ = campaign().sensed(trial, campaign().Sensors(), 3)
+    arrivals, _ = campaign().sense(trial, campaign().Sensors(), 3)
     bare = [item for item in arrivals if not isinstance(item[1], ReferenceSample)]
     _, one = last(Estimator(robot=trial.robot), bare, 4.0)
     _, two = last(Estimator(robot=trial.robot, plant=BODY), bare, 4.0)
@@ -138,7 +138,7 @@ def test_without_references_a_plant_changes_nothing():
 
 def test_samples_may_come_out_of_order_beside_a_twin_too():
     trial = swimming()
-    arrivals, _ = campaign().sensed(trial, campaign().Sensors(), 3)
+    arrivals, _ = campaign().sense(trial, campaign().Sensors(), 3)
     chosen = [item for item in arrivals if item[0] <= 3.0]
     ordered = sorted(chosen, key=lambda item: item[1].time)
     mixed = sorted(

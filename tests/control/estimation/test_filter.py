@@ -44,7 +44,7 @@ def turned(sample, angle, shift):
 @pytest.fixture(scope="module")
 def noisy():
     trial = swimming()
-    arrivals, dropped = campaign().sensed(trial, campaign().Sensors(), 3)
+    arrivals, dropped = campaign().sense(trial, campaign().Sensors(), 3)
     return trial, arrivals, dropped
 
 
@@ -61,9 +61,9 @@ def test_nothing_is_known_before_the_first_frame_and_the_joints():
 
 def test_exact_data_give_the_exact_motion():
     trial = swimming()
-    arrivals, dropped = campaign().sensed(trial, replace(perfect(), latency=0.0), 0)
+    arrivals, dropped = campaign().sense(trial, replace(perfect(), latency=0.0), 0)
     sharp = Noise(position=1e-5, yaw=1e-5, joint=1e-5)
-    estimates, _ = campaign().estimated(
+    estimates, _ = campaign().estimate(
         Estimator(robot=trial.robot, noise=sharp), arrivals, trial.time
     )
     off = campaign().errors(trial, estimates, dropped).always
@@ -261,8 +261,8 @@ def test_it_knows_how_far_off_it_is():
     found = []
     trial = swimming()
     for seed in range(2):
-        arrivals, _ = campaign().sensed(trial, campaign().Sensors(between=5.0), seed)
-        estimates, _ = campaign().estimated(
+        arrivals, _ = campaign().sense(trial, campaign().Sensors(between=5.0), seed)
+        estimates, _ = campaign().estimate(
             Estimator(robot=trial.robot, backlash=campaign().BACKLASH), arrivals[:], trial.time
         )
         found.append(campaign().consistency(trial, estimates))
@@ -273,7 +273,7 @@ def test_it_knows_how_far_off_it_is():
 def test_turning_tells_a_current_from_the_robots_own_speed_and_a_known_speed_does_so_at_once():
     still = swimming(duration=15.0)
     moving = swimming(duration=15.0, current=(0.03, 0.05))
-    arrivals, _ = campaign().sensed(moving, campaign().Sensors(between=math.inf), 1)
+    arrivals, _ = campaign().sense(moving, campaign().Sensors(between=math.inf), 1)
     speed = still.steady_velocity
     _, ignorant = last(Estimator(robot=moving.robot, backlash=campaign().BACKLASH), arrivals)
     _, told = last(

@@ -71,7 +71,7 @@ def record(
     The meter says DRAWN all the time; the run is from 1 s on, up to 0.5 s before the end.
     """
     trial = swimming(duration=duration)
-    arrivals, _ = campaign().sensed(trial, campaign().Sensors(between=4.0), 5)
+    arrivals, _ = campaign().sense(trial, campaign().Sensors(between=4.0), 5)
     estimator = estimator or Estimator(robot=trial.robot, backlash=campaign().BACKLASH)
     controller = follower()
     header = Header(
