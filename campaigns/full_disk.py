@@ -28,14 +28,15 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Generator
+from collections.abc import Generator, Sequence
 from pathlib import Path
 
 from _jobs import WRITERS, Answers, Job, harm, lay, prepare
 
 FAULTS = ("full", "read-only", "file", "killed")
 ANSWERS = Answers(Path(__file__).with_suffix(".csv"), ("command", *FAULTS), tuple(WRITERS))
-ROOM = 1 << 20  # of the file system that is full [bytes]
+ROOM = 1 << 20
+"""Size of the file system that is full [B]."""
 GOOD = {"kept", "no such file"}
 
 
@@ -43,52 +44,70 @@ GOOD = {"kept", "no such file"}
 def fault_at(out: Path, fault: str) -> Generator[None]:
     """Have a fault of the disk there."""
     if fault == "full":
-        aside = out.with_name("aside")
-        out.rename(aside)
-        out.mkdir()
-        subprocess.run(
-            ["mount", "-t", "tmpfs", "-o", f"size={ROOM}", "tmpfs", str(out)], check=True
-        )
-        try:
-            shutil.copytree(aside, out, dirs_exist_ok=True)
-            with contextlib.suppress(OSError), (out / "rest").open("wb", buffering=0) as rest:
-                while rest.write(b"x" * 4096):
-                    pass
+        with full_file_system(out):
             yield
-            (out / "rest").unlink()
-            shutil.rmtree(aside)
-            shutil.copytree(out, aside)
-        finally:
-            subprocess.run(["umount", str(out)], check=True)
-        out.rmdir()
-        aside.rename(out)
-        return
-    places = [place for place in (out, *out.rglob("*")) if place.is_dir() == (fault == "read-only")]
-    for place in places:
-        place.chmod(0o555 if place.is_dir() else 0o444)
+    elif fault == "read-only":
+        folders = [path for path in (out, *out.rglob("*")) if path.is_dir()]
+        with permissions(folders, meanwhile=0o555, afterward=0o755):
+            yield
+    else:
+        files = [path for path in out.rglob("*") if not path.is_dir()]
+        with permissions(files, meanwhile=0o444, afterward=0o644):
+            yield
+
+
+@contextlib.contextmanager
+def full_file_system(out: Path) -> Generator[None]:
+    """Have a folder on a file system of its own, without room; afterward it has what was left there."""
+    aside = out.with_name("aside")
+    rest = out / "rest"
+    out.rename(aside)
+    out.mkdir()
+    subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={ROOM}", "tmpfs", str(out)], check=True)
+    try:
+        shutil.copytree(aside, out, dirs_exist_ok=True)
+        with contextlib.suppress(OSError), rest.open("wb", buffering=0) as file:
+            while file.write(b"x" * 4096):
+                pass
+        yield
+        rest.unlink()
+        shutil.rmtree(aside)
+        shutil.copytree(out, aside)
+    finally:
+        subprocess.run(["umount", str(out)], check=True)
+    out.rmdir()
+    aside.rename(out)
+
+
+@contextlib.contextmanager
+def permissions(paths: Sequence[Path], *, meanwhile: int, afterward: int) -> Generator[None]:
+    """Give files or folders other permissions."""
+    for path in paths:
+        path.chmod(meanwhile)
     try:
         yield
     finally:
-        for place in places:
-            place.chmod(0o755 if place.is_dir() else 0o644)
+        for path in paths:
+            path.chmod(afterward)
 
 
 def rubbish(out: Path) -> str:
     """What a writer left behind."""
-    found = [
-        file
-        for file in out.rglob("*")
-        if file.name.startswith(".") or file.name.endswith(".partial")
-    ]
-    return ", ".join(sorted(str(file.relative_to(out)) for file in found))
+    names: list[str] = []
+    for path in out.rglob("*"):
+        if path.name.startswith(".") or path.name.endswith(".partial"):
+            names.append(str(path.relative_to(out)))
+    return ", ".join(sorted(names))
 
 
-def complaint(told: str) -> str:
+def complaint(text: str) -> str:
     """What is wrong with what was said; "" if nothing is."""
-    if "Traceback" in told or "Exception ignored" in told:
-        return "a traceback: " + told.strip().splitlines()[-1]
-    lines = re.findall("^laticauda: (?!.*(?:compil|filmed))", told, re.MULTILINE)
-    return "" if len(lines) <= 1 else f"{len(lines)} lines"
+    if "Traceback" in text or "Exception ignored" in text:
+        return "a traceback: " + text.strip().splitlines()[-1]
+    lines = re.findall("^laticauda: (?!.*(?:compil|filmed))", text, re.MULTILINE)
+    if len(lines) > 1:
+        return f"{len(lines)} lines"
+    return ""
 
 
 def on_disk(job: Job, folder: Path, fault: str) -> str:
@@ -96,21 +115,28 @@ def on_disk(job: Job, folder: Path, fault: str) -> str:
     out = folder / "out"
     older = lay(folder, job)
     with fault_at(out, fault):
-        status, told = job.fork(folder, is_bound=fault != "full").end()
-    wrong = harm(out, older, job, is_whole=True) or complaint(told) or rubbish(out)
-    expected = (2,)
-    if (
-        "operate" in job.words
-    ):  # a robot that stopped swam, too, and beside a file of its name it takes the next one
-        expected = (0, 1, 2) if fault == "file" else (1, 2)
-    if not wrong and status not in expected:
-        wrong = f"status {status}"
-    if not wrong and re.search(r"\bout\b", told) is None:
-        wrong = f"names no place: {told.strip()}"
-    return wrong or "kept"
+        status, text = job.fork(folder, is_bound=fault != "full").end()
+    wrong = harm(out, older, job, is_whole=True) or complaint(text) or rubbish(out)
+    if wrong:
+        return wrong
+    if status not in expected_statuses(job, fault):
+        return f"status {status}"
+    if re.search(r"\bout\b", text) is None:
+        return f"names no place: {text.strip()}"
+    return "kept"
 
 
-def killed(job: Job, folder: Path, after: float) -> str:
+def expected_statuses(job: Job, fault: str) -> tuple[int, ...]:
+    """With what a command may end."""
+    if "operate" not in job.words:
+        return (2,)
+    # A robot that stopped swam, too, and beside a file of its name it takes the next one.
+    if fault == "file":
+        return (0, 1, 2)
+    return (1, 2)
+
+
+def kill(job: Job, folder: Path, after: float) -> str:
     """What is left of files when a command is killed, and what it does then: "kept", or what was wrong.
 
     Args:
@@ -126,38 +152,47 @@ def killed(job: Job, folder: Path, after: float) -> str:
     running.end()
     if running.left_over():
         return "a process of it is left"
-    if wrong := harm(out, older, job, is_whole=False):
+    wrong = harm(out, older, job, is_whole=False)
+    if wrong:
         return wrong
     (out / "run.mcap").unlink(missing_ok=True)  # as the program asks for
-    status, told = job.fork(folder).end()
-    return rubbish(out) or (f"status {status} when run again: {told.strip()}" if status else "kept")
+    status, text = job.fork(folder).end()
+    if rubbish(out):
+        return rubbish(out)
+    if status:
+        return f"status {status} when run again: {text.strip()}"
+    return "kept"
 
 
 def answer(command: str, fault: str, folder: Path, moments: int, seed: int = 0) -> str:
     """What became of a command under a fault: "kept", or the first thing that was wrong."""
-    job, chance = WRITERS[command], random.Random(f"{command} {fault} {seed}")
+    job = WRITERS[command]
     if fault == "full" and not can_mount():
         return "not tried"
     if fault != "killed":
         return on_disk(job, folder, fault)
     lay(folder, job)
     running = job.fork(folder)
-    begun = time.monotonic()
-    status, told = running.end()
+    begin = time.monotonic()
+    status, text = running.end()
     if status != 0:
-        return f"it does not run: {told.strip()}"
-    took = time.monotonic() - begun
-    found = (killed(job, folder, chance.uniform(0.0, took)) for _ in range(moments))
-    return next((one for one in found if one != "kept"), "kept")
+        return f"it does not run: {text.strip()}"
+    duration = time.monotonic() - begin
+    chance = random.Random(f"{command} {fault} {seed}")
+    for _ in range(moments):
+        outcome = kill(job, folder, chance.uniform(0.0, duration))
+        if outcome != "kept":
+            return outcome
+    return "kept"
 
 
 def can_mount() -> bool:
     """Whether file systems can be mounted here."""
     with tempfile.TemporaryDirectory() as name:
-        done = subprocess.run(
+        mount = subprocess.run(
             ["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", name], capture_output=True
         )
-        return done.returncode == 0 and subprocess.run(["umount", name]).returncode == 0
+        return mount.returncode == 0 and subprocess.run(["umount", name]).returncode == 0
 
 
 def main() -> None:

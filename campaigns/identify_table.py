@@ -32,37 +32,31 @@ HEAD = "gait,config,alpha_deg,omega_deg_s,delta_deg,v_m_s,P_avg_W"
 
 def write_table1(path: Path) -> None:
     """Table 1 as a file of one's own."""
-    short = {kind: name for name, kind in KINDS.items()}
+    name_of_kind = {kind: name for name, kind in KINDS.items()}
     lines = [HEAD]
     for row in read_efficiency_trials():
         gait = row.gait
-        angles = (
-            f"{degrees(one):.0f}" for one in (gait.amplitude, gait.frequency, gait.phase_shift)
-        )
-        cells = (
-            short[gait.kind],
-            "fin" if row.has_fin else "nofin",
-            *angles,
-            row.forward_velocity,
-            row.mean_power,
-        )
-        lines.append(",".join("" if cell is None else str(cell) for cell in cells))
+        cells = [name_of_kind[gait.kind], "fin" if row.has_fin else "nofin"]
+        for angle in (gait.amplitude, gait.frequency, gait.phase_shift):
+            cells.append(f"{degrees(angle):.0f}")
+        for number in (row.forward_velocity, row.mean_power):
+            cells.append("" if number is None else str(number))
+        lines.append(",".join(cells))
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 def main() -> None:
-    told = tomllib.loads(EXAMPLE.read_text(encoding="utf-8"))
-    own = {name: one for name, one in told.items() if name != "table1"}
+    table = tomllib.loads(EXAMPLE.read_text(encoding="utf-8"))
+    del table["table1"]
+    table["table"] = {"file": "table1.csv", "sigma": 0.05}
     with TemporaryDirectory() as folder:
         write_table1(Path(folder) / "table1.csv")
-        mine = task_from_table(
-            {**own, "table": {"file": "table1.csv", "sigma": 0.05}}, "mine", Path(folder)
-        )
-    for title, task in (("a file", mine), ("the paper's rows", load_task(EXAMPLE))):
-        found = task.run()
-        print(f"{title}: {found.percentage_error():.2f} %", flush=True)
-        for one in found.estimates:
-            print(f"  {one.name:28} {one.value!r} +- {one.sigma:.2g}", flush=True)
+        task_of_file = task_from_table(table, "mine", Path(folder))
+    for title, task in (("a file", task_of_file), ("the paper's rows", load_task(EXAMPLE))):
+        result = task.run()
+        print(f"{title}: {result.percentage_error():.2f} %", flush=True)
+        for estimate in result.estimates:
+            print(f"  {estimate.name:28} {estimate.value!r} +- {estimate.sigma:.2g}", flush=True)
 
 
 if __name__ == "__main__":

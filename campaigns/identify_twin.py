@@ -40,8 +40,10 @@ import numpy as np
 import laticauda as lc
 from laticauda.identify import Fit, Measurement, fit, from_trial, leave_out
 
-DURATION = 15.0  # [s]
-POSITION, HEADING = 0.003, 0.01  # standard deviations of the tracker's noise [m], [rad]
+DURATION = 15.0
+"""Duration of a trial [s]."""
+POSITION, HEADING = 0.003, 0.01
+"""Standard deviations of the tracker's noise [m], [rad]."""
 TRUTH = {"tangential_friction": 0.2, "normal_drag": 1.4, "added_mass": 1.2}
 NAMES = [f"water.{name}" for name in TRUTH]
 GAITS = (
@@ -52,49 +54,57 @@ GAITS = (
 )
 
 
-def tracked(number: int, noise: float, rng: np.random.Generator) -> Measurement:
+def track(number: int, noise: float, rng: np.random.Generator) -> Measurement:
     """One trial of the twin, and what the tracker makes of it."""
-    robot, water = lc.load_robot("mamba-modules"), lc.load_water("paper-lateral")
-    trial = lc.swim(
-        robot, GAITS[number], DURATION, environment=replace(water, **TRUTH), model="spatial"
-    )
-    log = replace(
+    robot = lc.load_robot("mamba-modules")
+    water = lc.load_water("paper-lateral")
+    true_water = replace(water, **TRUTH)
+    trial = lc.swim(robot, GAITS[number], DURATION, environment=true_water, model="spatial")
+    position_error = noise * POSITION * rng.standard_normal(trial.center_of_mass.shape)
+    heading_error = noise * HEADING * rng.standard_normal(trial.heading.shape)
+    tracked = replace(
         trial,
-        center_of_mass=trial.center_of_mass
-        + noise * POSITION * rng.standard_normal(trial.center_of_mass.shape),
-        heading=trial.heading + noise * HEADING * rng.standard_normal(trial.heading.shape),
+        center_of_mass=trial.center_of_mass + position_error,
+        heading=trial.heading + heading_error,
     )
-    series = {"center_of_mass": POSITION, "heading": HEADING}
-    seen = from_trial(
-        log, name=f"trial {number}", series=series, figures={"forward_velocity": 0.001}, every=5
+    measurement = from_trial(
+        tracked,
+        name=f"trial {number}",
+        series={"center_of_mass": POSITION, "heading": HEADING},
+        figures={"forward_velocity": 0.001},
+        every=5,
     )
-    return replace(seen, scenario=replace(seen.scenario, environment=water))
+    scenario = replace(measurement.scenario, environment=water)
+    return replace(measurement, scenario=scenario)
 
 
-def show(title: str, found: Fit) -> None:
-    print(f"{title}: {found.status}")
+def show(title: str, result: Fit) -> None:
+    print(f"{title}: {result.status}")
     for name, truth in zip(NAMES, TRUTH.values(), strict=True):
-        estimate = found[name]
-        ends = (
-            "not identified"
-            if estimate.interval is None
-            else "[{:.4f}, {:.4f}]".format(*estimate.interval)
-        )
+        estimate = result[name]
+        interval = "not identified"
+        if estimate.interval is not None:
+            interval = "[{:.4f}, {:.4f}]".format(*estimate.interval)
+        error = estimate.value / truth - 1
         print(
-            f"  {estimate.name:26} {estimate.value:7.4f} {ends:18} true {truth:g}, {estimate.value / truth - 1:+.1%}"
+            f"  {estimate.name:26} {estimate.value:7.4f} {interval:18} true {truth:g}, {error:+.1%}"
         )
-    print("\n".join(words for words in found.warnings if words.startswith(("correlated", "chi^2"))))
-    print(
-        f"  speeds: {found.percentage_error():.2f} %, left out {leave_out(found).percentage_error():.2f} %",
-        flush=True,
-    )
+    warnings = [
+        warning for warning in result.warnings if warning.startswith(("correlated", "chi^2"))
+    ]
+    print("\n".join(warnings))
+    error = result.percentage_error()
+    error_left_out = leave_out(result).percentage_error()
+    print(f"  speeds: {error:.2f} %, left out {error_left_out:.2f} %", flush=True)
 
 
 def main() -> None:
     rng = np.random.default_rng(1)
-    for noise, title in ((0.0, "without noise"), (1.0, "with noise")):
-        measured = [tracked(number, noise, rng) for number in range(len(GAITS))]
-        show(title, fit(measured, parameters=NAMES, noise="known" if noise == 0.0 else "estimated"))
+    numbers = range(len(GAITS))
+    measurements = [track(number, 0.0, rng) for number in numbers]
+    show("without noise", fit(measurements, parameters=NAMES, noise="known"))
+    measurements = [track(number, 1.0, rng) for number in numbers]
+    show("with noise", fit(measurements, parameters=NAMES, noise="estimated"))
 
 
 if __name__ == "__main__":

@@ -24,6 +24,7 @@ import sys
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any, NamedTuple
 
 ROOT = Path(__file__).parents[1]
 STORED = Path(__file__).with_suffix(".csv")
@@ -34,7 +35,20 @@ TESTS = {
     "tank/protocol": ("tests/tank/protocol",),
 }
 """The safety code, in laticauda, and its tests."""
-COLUMNS = ("file", "statements", "branches", "not_run", "branches_not_taken")
+
+
+class Row(NamedTuple):
+    """What the tests leave of a file."""
+
+    file: str
+    statements: int
+    branches: int
+    not_run: str
+    """Numbers of lines; "all" if nothing of it was imported."""
+    branches_not_taken: str
+    """As FROM->TO, by lines."""
+
+
 SETTINGS = """
 [run]
 branch = true
@@ -51,72 +65,78 @@ exclude_lines =
 def files_of(part: str) -> list[Path]:
     """The source files of a part."""
     path = ROOT / "src" / "laticauda" / part
-    return [path] if path.suffix else sorted(path.glob("*.py"))
+    if path.suffix:
+        return [path]
+    return sorted(path.glob("*.py"))
 
 
-def measured(
-    parts: Sequence[str], *, tests: Sequence[str] = ()
-) -> list[tuple[str, int, int, str, str]]:
+class Coverage:
+    """The program coverage.py, with its settings and data in a folder.
+
+    Args:
+        folder: The folder.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._settings = folder / "settings"
+        source = ROOT / "src" / "laticauda"
+        self._settings.write_text(SETTINGS.format(data=folder / "data", source=source))
+        path = f"{ROOT / 'src'}{os.pathsep}{os.environ.get('PYTHONPATH', '')}"
+        # With CI, hypothesis draws the same every time.
+        self._environment = {**os.environ, "PYTHONPATH": path, "CI": "1"}
+
+    def call(self, verb: str, *arguments: str) -> None:
+        """Call it.
+
+        Raises:
+            RuntimeError: If it fails.
+        """
+        program = [sys.executable, "-m", "coverage"]
+        command = [*program, verb, f"--rcfile={self._settings}", *arguments]
+        process = subprocess.run(
+            command, cwd=ROOT, env=self._environment, capture_output=True, text=True
+        )
+        if process.returncode:
+            output = f"{process.stdout[-3000:]}\n{process.stderr[-3000:]}"
+            raise RuntimeError(f"{' '.join(command)}\n{output}")
+
+
+def measure(parts: Sequence[str], *, tests: Sequence[str] = ()) -> list[Row]:
     """Run the tests of some parts, or others, under coverage.py; a row for every file.
 
     Raises:
         RuntimeError: If a test fails.
     """
-    chosen = tests or [test for part in parts for test in TESTS[part]]
+    files: list[Path] = []
+    tests_of_parts: list[str] = []
+    for part in parts:
+        files += files_of(part)
+        tests_of_parts += TESTS[part]
     with tempfile.TemporaryDirectory() as folder:
-        settings, data, told = (Path(folder) / name for name in ("settings", "data", "told.json"))
-        settings.write_text(SETTINGS.format(data=data, source=ROOT / "src" / "laticauda"))
-        path = f"{ROOT / 'src'}{os.pathsep}{os.environ.get('PYTHONPATH', '')}"
-        surroundings = {
-            **os.environ,
-            "PYTHONPATH": path,
-            "CI": "1",
-        }  # hypothesis then draws the same every time
+        coverage = Coverage(Path(folder))
+        report = Path(folder) / "report.json"
+        pytest = ["-m", "pytest", "-q", "-p", "no:cacheprovider"]
+        coverage.call("run", *pytest, *(tests or tests_of_parts))
+        coverage.call("combine", "-q")
+        coverage.call("json", "-q", "-o", str(report), f"--include={','.join(map(str, files))}")
+        reports = json.loads(report.read_text())["files"]
+    report_of_file = {Path(name).resolve(): report for name, report in reports.items()}
+    return [row_of(file, report_of_file.get(file.resolve())) for file in files]
 
-        def coverage(*words: str) -> str:
-            command = [
-                sys.executable,
-                "-m",
-                "coverage",
-                words[0],
-                f"--rcfile={settings}",
-                *words[1:],
-            ]
-            done = subprocess.run(
-                command, cwd=ROOT, env=surroundings, capture_output=True, text=True
-            )
-            if done.returncode:
-                raise RuntimeError(
-                    f"{' '.join(command)}\n{done.stdout[-3000:]}\n{done.stderr[-3000:]}"
-                )
-            return done.stdout
 
-        coverage("run", "-m", "pytest", "-q", "-p", "no:cacheprovider", *chosen)
-        coverage("combine", "-q")
-        files = [file for part in parts for file in files_of(part)]
-        coverage("json", "-q", "-o", str(told), f"--include={','.join(map(str, files))}")
-        found = {
-            Path(name).resolve(): one for name, one in json.loads(told.read_text())["files"].items()
-        }
-    rows = list[tuple[str, int, int, str, str]]()
-    for file in files:
-        one = found.get(file.resolve())
-        if one is None:  # nothing of it was imported
-            rows.append((str(file.relative_to(ROOT)), 0, 0, "all", "all"))
-            continue
-        lines = " ".join(map(str, one["missing_lines"]))
-        branches = " ".join(f"{a}->{b}" for a, b in one["missing_branches"])
-        summary = one["summary"]
-        rows.append(
-            (
-                str(file.relative_to(ROOT)),
-                summary["num_statements"],
-                summary["num_branches"],
-                lines,
-                branches,
-            )
-        )
-    return rows
+def row_of(file: Path, report: dict[str, Any] | None) -> Row:
+    """What coverage.py says of a file; None: nothing of it was imported."""
+    name = str(file.relative_to(ROOT))
+    if report is None:
+        return Row(name, 0, 0, "all", "all")
+    branches = [f"{begin}->{end}" for begin, end in report["missing_branches"]]
+    return Row(
+        file=name,
+        statements=report["summary"]["num_statements"],
+        branches=report["summary"]["num_branches"],
+        not_run=" ".join(map(str, report["missing_lines"])),
+        branches_not_taken=" ".join(branches),
+    )
 
 
 def stored() -> list[dict[str, str]]:
@@ -131,22 +151,24 @@ def main() -> int:
     )
     parser.add_argument("--only", default="", help="part of a path")
     options = parser.parse_args()
-    rows = measured([part for part in TESTS if options.only in part])
+    rows = measure([part for part in TESTS if options.only in part])
     if not options.only:
         with STORED.open("w", newline="", encoding="utf-8") as file:
             table = csv.writer(file, lineterminator="\n")
-            table.writerow(COLUMNS)
+            table.writerow(Row._fields)
             table.writerows(rows)
-    for name, statements, branches, lines, ways in rows:
-        print(
-            f"{name:<52} {statements:>4} statements {branches:>4} branches   {lines} {ways}".rstrip()
-        )
-    n, n_branches = (sum(row[i] for row in rows) for i in (1, 2))
-    left = [row for row in rows if row[3] or row[4]]
+    for row in rows:
+        line = f"{row.file:<52} {row.statements:>4} statements {row.branches:>4} branches   "
+        line += f"{row.not_run} {row.branches_not_taken}"
+        print(line.rstrip())
+    n_statements = sum(row.statements for row in rows)
+    n_branches = sum(row.branches for row in rows)
+    n_in_full = sum(not row.not_run and not row.branches_not_taken for row in rows)
     print(
-        f"{n} statements, {n_branches} branches; {len(rows) - len(left)} of {len(rows)} files are run in full"
+        f"{n_statements} statements, {n_branches} branches; "
+        f"{n_in_full} of {len(rows)} files are run in full"
     )
-    return int(bool(left))
+    return int(n_in_full < len(rows))
 
 
 if __name__ == "__main__":

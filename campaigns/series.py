@@ -18,13 +18,18 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 PROGRAM = (sys.executable, "-c", "from laticauda.cli import main; raise SystemExit(main())")
 STOPS = (*[signal.SIGINT] * 5, *[signal.SIGKILL] * 2)
-LONGEST = 20.0  # into a call until it is stopped [s]; a run takes some 8 s
-SETTINGS, REPEATS = ("slow", "fast"), 3
+"""Signals that stop the series, before they are shuffled."""
+LONGEST = 20.0
+"""Time into a call until it is stopped at most [s]; a run takes some 8 s."""
+SETTINGS = ("slow", "fast")
+REPEATS = 3
+"""Accepted runs of every setting."""
 SERIES = """
 kind = "series"
 name = "tank"
@@ -49,48 +54,63 @@ gait = {amplitude_deg = 20, frequency_deg_s = 120, phase_shift_deg = 40}
 
 def digests(folder: Path) -> dict[str, str]:
     """Of all trials and recordings."""
-    files = (
-        path for path in folder.glob("*") if path.suffix in (".mcap", ".nc") and path.name[0] != "."
-    )
-    return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
+    found: dict[str, str] = {}
+    for path in folder.glob("*"):
+        if path.suffix in (".mcap", ".nc") and not path.name.startswith("."):
+            found[path.name] = hashlib.sha256(path.read_bytes()).hexdigest()
+    return found
 
 
-def lab() -> tuple[subprocess.Popen[str], list[str]]:
-    """The virtual tank, and the words with which `operate` finds it."""
-    words = [
-        "lab",
-        "--json",
-        "--robot",
-        "mamba",
-        "--bus",
-        "udp_multicast:239.74.163.7:43127",
-        "--port",
-        "0",
-    ]
+class Lab(NamedTuple):
+    """The virtual tank."""
+
+    process: subprocess.Popen[str]
+    options: list[str]
+    """Options with which `operate` finds it."""
+
+
+def start_lab() -> Lab:
+    options = ["--robot", "mamba", "--bus", "udp_multicast:239.74.163.7:43127", "--port", "0"]
     process = subprocess.Popen(
-        [*PROGRAM, *words], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+        [*PROGRAM, "lab", "--json", *options],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
     )
     assert process.stdout is not None
-    at = json.loads(process.stdout.readline())
-    return process, ["--bus", at["bus"], "--mocap", at["qtm"], "--meter", at["meter"]]
+    addresses = json.loads(process.stdout.readline())
+    options = ["--bus", addresses["bus"], "--mocap", addresses["qtm"]]
+    return Lab(process, [*options, "--meter", addresses["meter"]])
 
 
-def operate(
-    folder: Path, wires: list[str], stop: signal.Signals | None, after: float
-) -> tuple[int, dict[str, Any]]:
-    """One call of the series, stopped after some time or not at all; its status, and what it says at its end."""
-    words = ["operate", "series.toml", "--json", "--output", "runs", "--clear", *wires]
+class Call(NamedTuple):
+    """One call of the series."""
+
+    status: int
+    result: dict[str, Any]
+    """What it says at its end."""
+
+
+def operate(folder: Path, options: list[str], stop: signal.Signals | None, after: float) -> Call:
+    """One call of the series, stopped after some time [s] or not at all."""
+    words = ["operate", "series.toml", "--json", "--output", "runs", "--clear", *options]
     pipe: Any = subprocess.PIPE
     process = subprocess.Popen(
         [*PROGRAM, *words], cwd=folder, stdout=pipe, stderr=pipe, stdin=subprocess.DEVNULL
     )
+    timeout = None
+    if stop is not None:
+        timeout = after
     try:
-        out, err = process.communicate(timeout=None if stop is None else after)
+        output, errors = process.communicate(timeout=timeout)
     except subprocess.TimeoutExpired:
         process.send_signal(stop or signal.SIGKILL)
-        out, err = process.communicate()
-    assert b"Traceback" not in err, err.decode()
-    return process.returncode, json.loads(out) if out else {}
+        output, errors = process.communicate()
+    assert b"Traceback" not in errors, errors.decode()
+    result: dict[str, Any] = {}
+    if output:
+        result = json.loads(output)
+    return Call(process.returncode, result)
 
 
 def main() -> None:
@@ -100,46 +120,51 @@ def main() -> None:
     chance = random.Random(parser.parse_args().seed)
     stops = list(STOPS)
     chance.shuffle(stops)
-    signal.signal(
-        signal.SIGINT, signal.default_int_handler
-    )  # a shell starts its background jobs deaf to it
-    tank, wires = lab()
+    # A shell starts its background jobs deaf to it.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    lab = start_lab()
     with tempfile.TemporaryDirectory() as name:
-        folder, runs = Path(name), Path(name) / "runs" / "tank"
+        folder = Path(name)
+        runs = folder / "runs" / "tank"
         (folder / "series.toml").write_text(SERIES)
-        before, changed, said = dict[str, str](), set[str](), dict[str, Any]()
+        digests_before: dict[str, str] = {}
+        changed: set[str] = set()
+        result: dict[str, Any] = {}
         for stop in (*stops, None):
             after = chance.uniform(4.0, LONGEST)
-            begun = time.monotonic()
-            status, said = operate(folder, wires, stop, after)
-            now = digests(runs)
-            changed |= {file for file, digest in before.items() if now.get(file) != digest}
-            before = now
+            begin = time.monotonic()
+            status, result = operate(folder, lab.options, stop, after)
+            after = min(after, time.monotonic() - begin)
+            digests_now = digests(runs)
+            for file, digest in digests_before.items():
+                if digests_now.get(file) != digest:
+                    changed.add(file)
+            digests_before = digests_now.copy()
             if stop is signal.SIGKILL:  # what it was writing may be completed by the next call
-                last = max(now, key=lambda file: (runs / file).stat().st_mtime, default="")
-                before = {file: digest for file, digest in now.items() if file != last}
-            how = (
-                "to its end"
-                if stop is None
-                else f"{stop.name} after {min(after, time.monotonic() - begun):4.1f} s"
-            )
-            print(f"{how:<22} status {status:>3}, {len(now):>2} files", flush=True)
-        tank.terminate()
-        tank.wait(10)
-        accepted = {one["name"]: one["accepted"] for one in said["settings"]}
-        recorded = {Path(file).stem for file in before if file.endswith(".mcap")}
-        tried = sum(one["accepted"] + len(one["rejected"]) for one in said["settings"])
+                digests_before.pop(newest_of(digests_now, runs), None)
+            end = "to its end"
+            if stop is not None:
+                end = f"{stop.name} after {after:4.1f} s"
+            print(f"{end:<22} status {status:>3}, {len(digests_now):>2} files", flush=True)
+        lab.process.terminate()
+        lab.process.wait(10)
+    settings = result["settings"]
+    accepted = {setting["name"]: setting["accepted"] for setting in settings}
+    n_recordings = sum(file.endswith(".mcap") for file in digests_before)
+    n_told = sum(setting["accepted"] + len(setting["rejected"]) for setting in settings)
     print(
-        f"complete: {said['complete']}, accepted: {accepted}, files that changed: {sorted(changed) or 'none'}"
+        f"complete: {result['complete']}, accepted: {accepted}, "
+        f"files that changed: {sorted(changed) or 'none'}"
     )
-    print(f"recordings: {len(recorded)}, runs that the series tells of: {tried}")
-    well = (
-        said["complete"]
-        and accepted == dict.fromkeys(SETTINGS, REPEATS)
-        and not changed
-        and tried == len(recorded)
-    )
-    raise SystemExit(0 if well else 1)
+    print(f"recordings: {n_recordings}, runs that the series tells of: {n_told}")
+    are_all_accepted = accepted == dict.fromkeys(SETTINGS, REPEATS)
+    is_well = result["complete"] and are_all_accepted and not changed and n_told == n_recordings
+    raise SystemExit(0 if is_well else 1)
+
+
+def newest_of(names: Iterable[str], folder: Path) -> str:
+    """Name of the file that was written last; "" if there is none."""
+    return max(names, key=lambda name: (folder / name).stat().st_mtime, default="")
 
 
 if __name__ == "__main__":

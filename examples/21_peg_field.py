@@ -41,12 +41,13 @@ water = replace(
 )
 figure, (ax,) = new_panels(height=2.8)
 for place, environment in (("on land", bare), ("under water", water)):
-    for title, scene in (("open", None), ("pegs", "pegs")):
+    for around, scene in (("nothing", None), ("pegs", "pegs")):
         trial = lc.swim(
             robot, gait, 15.0, environment=environment, model="spatial", scene=scene
         )
         x = trial.center_of_mass[:, 0]
-        ax.plot(trial.time, x, label=f"{place}, {title}")
+        ax.plot(trial.time, x, label=f"{place}, {around}")
+        title = "pegs" if scene else "open"
         print(f"{place}, {title}: {x[-1] - x[0]:+.2f} m in 15 s")
     force = np.linalg.norm(trial.link_force["contact"], axis=2)
     print(

@@ -25,7 +25,7 @@ def test_every_statement_and_branch_of_the_safety_code_is_run_by_its_own_tests()
 def test_what_no_test_runs_is_listed_by_line_and_branch():
     (file,) = (one for one in safety_code.files_of("tank/protocol") if one.name == "meter.py")
     lines = ["", *file.read_text(encoding="utf-8").splitlines()]
-    rows = safety_code.measured(
+    rows = safety_code.measure(
         ["tank/protocol"], tests=["tests/tank/protocol/test_meter.py::test_the_current_comes_back"]
     )
     _, statements, branches, missing, ways = next(
