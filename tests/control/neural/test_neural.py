@@ -103,7 +103,8 @@ def test_what_no_network_can_have_is_refused(change, message):
         ({"steering": GAIT}, "`steering` must be of class Controller, got Gait."),
         ({"steering": PhaseOscillators(gait=GAIT)}, "`steering` must be a controller that commands a gait"),
         ({"gait": lc.recorded_gait(lc.load_joint_angles("amphibot-1"))}, "`gait` must be a wave, with"),
-        ({"interval": 1e-9}, "`interval` must be >= 0.0001 s, got 1e-09."),
+        ({"interval": 1e-9}, "`interval` must be between 0.0001 and 1 s, got 1e-09."),
+        ({"interval": 100.0}, "`interval` must be between 0.0001 and 1 s, got 100.0."),
     ],
 )  # fmt: skip
 def test_what_cannot_steer_or_pace_a_network_is_refused(changes, message):

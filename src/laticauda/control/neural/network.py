@@ -36,6 +36,8 @@ PerJoint = Float[np.ndarray, "... n_joints"]
 Signals: TypeAlias = Mapping[str, float | Float[np.ndarray, " n_networks"]]
 PerNetwork: TypeAlias = Float[np.ndarray, "n_networks 1"]
 
+LONGEST_INTERVAL = 1.0
+"""Longest time between two control instants: joints hold still meanwhile, and no wave remains [s]."""
 LONGEST_STEP = 0.01
 """Largest time step by which neurons are integrated [s]."""
 FASTEST_PULL = 2.0 / LONGEST_STEP
@@ -140,7 +142,11 @@ class NeuralGait(Controller[NetworkState[Neurons]], Generic[Neurons]):
         "", "Standard deviation of the natural frequencies, per frequency", ge=0.0, default=0.0
     )
     interval: float = quantity(
-        "s", "Time between two control instants", default=0.02, ge=SHORTEST_INTERVAL
+        "s",
+        "Time between two control instants",
+        default=0.02,
+        ge=SHORTEST_INTERVAL,
+        le=LONGEST_INTERVAL,
     )
 
     members: "ClassVar[Sequence[NeuralGait[Any]]]" = ()
