@@ -83,6 +83,10 @@ def _expm1(x):
     return Dual(math.expm1(x.real), math.exp(x.real) * x.slope)
 
 
+def _differs(x, number):
+    return x.real != number or getattr(x, "slope", 0.0) != 0.0
+
+
 def _by_numbers(formula, record, n_first):
     """A law's formula as a function of numbers."""
     last = n_first + len(record._fields)
@@ -114,6 +118,7 @@ def python_kernels(law=None):
         "compile_scalar": same,
         "in_lanes": same,
         "any_lane": same,
+        "differs": _differs,
         "first_lane": same,
         "where": lambda condition, a, b: a if condition else b,
         "magnitude": lambda x: -x if x.real < 0.0 else x,

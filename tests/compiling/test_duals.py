@@ -31,7 +31,10 @@ rng = np.random.default_rng(3)
 
 
 def by_lanes(function, x, n_out):
-    """Values and slopes of what `function` gives for eight numbers."""
+    """Values and slopes of what `function` gives for eight numbers.
+
+    Each number has a second derivative beside the first, four times as large.
+    """
 
     @njit(**inner.OPTIONS)
     def run(flat, out):
@@ -40,12 +43,14 @@ def by_lanes(function, x, n_out):
         for i in range(n_out):
             R[i] = found[i]
 
-    flat, out = np.zeros((1, WIDTH), complex), np.zeros((n_out, WIDTH), complex)
-    real, imaginary = lane_types.split(flat)
-    real[0], imaginary[0] = x, STEP
+    row = lane_types.dual_row(WIDTH, 2)
+    flat, out = np.zeros(1, row), np.zeros(n_out, row)
+    flat["value"] = x
+    flat["slopes"] = STEP * np.array([1.0, 4.0])[:, np.newaxis]
     run(flat, out)
-    real, imaginary = lane_types.split(out)
-    return real, imaginary / STEP
+    first, second = out["slopes"].swapaxes(0, 1) / STEP
+    np.testing.assert_array_equal(second, 4.0 * first)
+    return out["value"], first
 
 
 def test_arithmetic_carries_derivatives_through():
@@ -150,10 +155,12 @@ def test_a_run_has_the_derivatives_of_dual_numbers(joints, seconds, edge):
     ).T
     slope[rows.AMPLITUDE_NOW : rows.OFFSET_RATE] = 0.1
     steps = round(seconds / plant.dt)
-    flat = np.zeros((S.size, WIDTH), complex)
-    real, imaginary = lane_types.split(flat)
-    real[:], imaginary[:] = S[:, np.newaxis], STEP * slope
-    log = np.zeros((2, rows.LOG_STATE, WIDTH), complex)
+    row = lane_types.dual_row(WIDTH, 2)
+    flat = np.zeros(S.size, row)
+    flat["value"] = S[:, np.newaxis]
+    flat["slopes"][:, 0] = STEP * slope
+    flat["slopes"][:, 1] = STEP * np.roll(slope, 1, axis=1)
+    log = np.zeros((2, rows.LOG_STATE), row)
     settings = joints != "prescribed", steps, plant.dt, steps
     specialize(WIDTH).run(flat, *plant.layout.chain, *settings, log)
     lane = 5
@@ -162,7 +169,8 @@ def test_a_run_has_the_derivatives_of_dual_numbers(joints, seconds, edge):
     python_kernels().run(numbers, *plant.layout.chain, *settings, slow)
     value = np.array([getattr(x, "real", x) for x in slow[1]], dtype=float)
     derivative = np.array([getattr(x, "slope", 0.0) for x in slow[1]])
-    real, imaginary = lane_types.split(log)
-    np.testing.assert_allclose(real[1, :, lane], value, rtol=1e-12, atol=1e-13)
+    np.testing.assert_allclose(log["value"][1, :, lane], value, rtol=1e-12, atol=1e-13)
     assert np.abs(derivative[rows.X - rows.TIME : rows.VY - rows.TIME]).min() > 1e-6
-    np.testing.assert_allclose(imaginary[1, :, lane] / STEP, derivative, rtol=1e-12, atol=1e-12)
+    first, second = log["slopes"][1].swapaxes(0, 1) / STEP
+    for carried in (first[:, lane], second[:, lane + 1]):
+        np.testing.assert_allclose(carried, derivative, rtol=1e-12, atol=1e-12)

@@ -2,7 +2,8 @@
 
 A number is a pair: its value, and its derivative times the step; the derivative is None if it is
 known to be 0. The value is computed as if there were no derivative. Functions get the builder of
-LLVM instructions, and `emit`, which emits the value; values may be floats or vectors of floats.
+LLVM instructions, and `emit`, which emits the value; values may be floats or vectors of floats. A
+derivative may be a vector of several times as many, for as many directions (`lane_types.Duals`).
 
 A function with a kink is differentiated on the side where the number lies. Roots and powers of 0,
 whose slope is unbounded, get the slope 0, because the models use them in products that have that
@@ -35,9 +36,9 @@ def divide(builder, emit, a, b):
     if b[1] is None:
         if a[1] is None:
             return value, None
-        return value, emit(a[1], b[0])
-    share = builder.fneg(builder.fmul(value, b[1]))
-    return value, emit(_sum(builder, a[1], share), b[0])
+        return value, emit(a[1], repeated(builder, b[0], a[1]))
+    share = builder.fneg(_times(builder, b[1], value))
+    return value, emit(_sum(builder, a[1], share), repeated(builder, b[0], b[1]))
 
 
 def negate(builder, emit, a):
@@ -48,7 +49,7 @@ def negate(builder, emit, a):
 def magnitude(builder, emit, a):
     """|a|, based on the sign of its real part."""
     negative = builder.fcmp_ordered("<", a[0], ir.Constant(a[0].type, None))
-    return tuple(part and builder.select(negative, builder.fneg(part), part) for part in a)
+    return tuple(part and choose(builder, negative, builder.fneg(part), part) for part in a)
 
 
 def step(builder, emit, a):
@@ -71,18 +72,48 @@ def power(builder, emit, a, b):
         )
     if a[1] is None:
         return value, None
-    return value, _slope_or_none(builder, a[0], a[0], builder.fmul(builder.fmul(b[0], value), a[1]))
+    change = _times(builder, a[1], builder.fmul(b[0], value))
+    return value, _slope_or_none(builder, a[0], a[0], change)
 
 
 def pick(sign):
     """Return a function that picks one of a and b: a if `a sign b` holds, else b."""
 
     def of_two(builder, emit, a, b):
-        first = builder.fcmp_ordered(sign, a[0], b[0])
-        zero = ir.Constant(a[0].type, None)
-        return tuple(builder.select(first, x or zero, y or zero) for x, y in zip(a, b, strict=True))
+        is_first = builder.fcmp_ordered(sign, a[0], b[0])
+        value = builder.select(is_first, a[0], b[0])
+        if a[1] is None and b[1] is None:
+            return value, None
+        zero = ir.Constant((a[1] or b[1]).type, None)
+        return value, choose(builder, is_first, a[1] or zero, b[1] or zero)
 
     return of_two
+
+
+def repeated(builder, number, derivative):
+    """Return a number, or a condition, as often as there are derivatives of each number.
+
+    Args:
+        builder: Builder of LLVM instructions.
+        number: A number or a truth value, or a vector of them.
+        derivative: Derivatives, of as many numbers.
+    """
+    is_vector = isinstance(number.type, ir.VectorType)
+    width = number.type.count if is_vector else 1
+    count = derivative.type.count if isinstance(derivative.type, ir.VectorType) else 1
+    if count == width:
+        return number
+    index = ir.IntType(32)
+    if not is_vector:
+        vector = ir.Constant(ir.VectorType(number.type, 1), ir.Undefined)
+        number = builder.insert_element(vector, number, ir.Constant(index, 0))
+    order = ir.Constant(ir.VectorType(index, count), [k % width for k in range(count)])
+    return builder.shuffle_vector(number, ir.Constant(number.type, ir.Undefined), order)
+
+
+def choose(builder, condition, a, b):
+    """Return the numbers or derivatives `a` where a condition holds, else `b`."""
+    return builder.select(repeated(builder, condition, a), a, b)
 
 
 def _sum(builder, a, b):
@@ -94,7 +125,7 @@ def _sum(builder, a, b):
 def _times(builder, derivative, factor):
     if derivative is None:
         return None
-    return builder.fmul(derivative, factor)
+    return builder.fmul(derivative, repeated(builder, factor, derivative))
 
 
 def _negative(builder, derivative):
@@ -107,7 +138,6 @@ def _slope_or_none(builder, value, divisor, derivative):
     """derivative / divisor, but 0 where `value` is 0."""
     if derivative is None:
         return None
-    zero = ir.Constant(value.type, None)
-    return builder.select(
-        builder.fcmp_ordered("==", value, zero), zero, builder.fdiv(derivative, divisor)
-    )
+    is_zero = builder.fcmp_ordered("==", value, ir.Constant(value.type, None))
+    slope = builder.fdiv(derivative, repeated(builder, divisor, derivative))
+    return choose(builder, is_zero, ir.Constant(slope.type, None), slope)

@@ -3,6 +3,7 @@
 # pyright: basic
 
 import operator
+from typing import Any
 
 import numpy as np
 from llvmlite import ir
@@ -39,12 +40,18 @@ class Lanes(types.Type):
 
 
 class Duals(Lanes):
-    """A float and an imaginary part, its derivative times a step, per lane; comparisons use the floats only."""
+    """A float and its derivatives times a step, `n_slopes` of them, per lane; comparisons use the floats only.
 
-    def __init__(self, dtype, width):
+    The derivatives are together in one vector, the first of all lanes first. What is computed for the
+    values alone is thereby shared by all derivatives.
+    """
+
+    def __init__(self, dtype, width, n_slopes=1):
         super().__init__(dtype, width)
-        self.part = dtype if width == 1 else Lanes(dtype, width)
-        self.name = f"Duals({dtype}, {width})"
+        self.n_slopes = n_slopes
+        self.part = _lanes_or_number(dtype, width)
+        self.slopes = _lanes_or_number(dtype, width * n_slopes)
+        self.name = f"Duals({dtype}, {width}, {n_slopes})"
 
     def can_convert_from(self, typingctx, other):
         """Convert numbers without an imaginary part to numbers whose derivative is 0."""
@@ -53,6 +60,12 @@ class Duals(Lanes):
     def unify(self, typingctx, other):
         """Unify as for `Lanes`."""
         return self if other == self.part else super().unify(typingctx, other)
+
+
+def _lanes_or_number(dtype, width):
+    if width == 1:
+        return dtype
+    return Lanes(dtype, width)
 
 
 class Mask(types.Type):
@@ -78,8 +91,10 @@ class Rows(types.Type):
         self.dtype, self.width = dtype, width
         if width == 1:
             self.item = dtype
-        elif isinstance(dtype, types.Complex):
-            self.item = Duals(dtype.underlying_float, width)
+        elif isinstance(dtype, types.Record):
+            slopes: Any = dtype.fields[SLOPES].type
+            n_slopes, _ = slopes.shape
+            self.item = Duals(types.float64, width, n_slopes)
         else:
             self.item = Lanes(dtype, width)
         super().__init__(f"Rows({dtype}, {width})")
@@ -104,13 +119,16 @@ class _VectorModel(models.PrimitiveModel):
 @register_model(Duals)
 class _DualsModel(models.StructModel):
     def __init__(self, dmm, fe_type):
-        super().__init__(dmm, fe_type, [("real", fe_type.part), ("imag", fe_type.part)])
+        super().__init__(dmm, fe_type, [("real", fe_type.part), ("imag", fe_type.slopes)])
 
 
 @register_model(Rows)
 class _RowsModel(models.PrimitiveModel):
     def __init__(self, dmm, fe_type):
-        super().__init__(dmm, fe_type, ir.PointerType(dmm[fe_type.item].get_data_type()))
+        item = fe_type.item
+        if isinstance(item, Duals):
+            item = item.part
+        super().__init__(dmm, fe_type, ir.PointerType(dmm[item].get_data_type()))
 
 
 # ---- rows ----------------------------------------------------------------------------------------
@@ -119,9 +137,8 @@ class _RowsModel(models.PrimitiveModel):
 def rows_of(width):
     """Return the compiled function that interprets the data at an address, or in an array, as `Rows`.
 
-    The data must be contiguous, with the lanes of a row next to each other.
-
-    A row of several complex numbers holds all real parts, then all imaginary parts (see `split`).
+    The data must be contiguous, with the lanes of a row next to each other; those of numbers with
+    derivatives are records of `dual_row`.
     """
 
     @intrinsic
@@ -159,10 +176,20 @@ def align_stack(function: ir.Function) -> None:
     function.attributes.add("nounwind")  # it is so anyway; llvmlite writes no alignment alone
 
 
-def split(flat: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return views of the real and imaginary parts of an array that the kernels take as rows of complex numbers."""
-    parts = flat.view(np.real(flat).dtype).reshape(*flat.shape[:-1], 2, flat.shape[-1])
-    return parts[..., 0, :], parts[..., 1, :]
+VALUE = "value"
+"""Field of a record that holds the values of a row."""
+SLOPES = "slopes"
+"""Field of a record that holds their derivatives: the first of all lanes, then the second, and so on."""
+
+
+def dual_row(width: int, n_slopes: int) -> np.dtype[np.void]:
+    """Return the type of a row of numbers with derivatives, a record of VALUE and SLOPES.
+
+    Args:
+        width: Number of lanes.
+        n_slopes: Number of derivatives in every lane.
+    """
+    return np.dtype([(VALUE, float, (width,)), (SLOPES, float, (n_slopes, width))])
 
 
 def _is_row(rows, index):
@@ -181,7 +208,15 @@ def _type_setitem(context):
 
 def _address(context, builder, sig, args):
     index = context.cast(builder, args[1], sig.args[1], types.intp)
+    item = sig.args[0].item
+    if isinstance(item, Duals):
+        index = builder.mul(index, ir.Constant(index.type, 1 + item.n_slopes))
     return builder.gep(args[0], [index], inbounds=True)
+
+
+def _address_of_slopes(context, builder, kind, address):
+    after_value = cgutils.gep_inbounds(builder, address, 1)
+    return builder.bitcast(after_value, context.get_value_type(kind.slopes).as_pointer())
 
 
 @lower_builtin(operator.getitem, Rows, types.Integer)
@@ -191,8 +226,9 @@ def _getitem(context, builder, sig, args):
     if rows.width == 1:
         return context.unpack_value(builder, rows.item, address)
     if isinstance(rows.item, Duals):
-        parts = [cgutils.gep_inbounds(builder, address, 0, k) for k in range(2)]
-        return joined(context, builder, rows.item, [builder.load(part, align=8) for part in parts])
+        of_slopes = _address_of_slopes(context, builder, rows.item, address)
+        parts = [builder.load(place, align=8) for place in (address, of_slopes)]
+        return joined(context, builder, rows.item, parts)
     return builder.load(
         address, align=8
     )  # alignment of a lane: arrays need not be aligned to whole rows
@@ -206,8 +242,10 @@ def _setitem(context, builder, sig, args):
     if rows.width == 1:
         context.pack_value(builder, rows.item, value, address)
     elif isinstance(rows.item, Duals):
-        for k, part in enumerate(parted(context, builder, rows.item, rows.item, value)):
-            builder.store(part, cgutils.gep_inbounds(builder, address, 0, k), align=8)
+        real, slopes = parted(context, builder, rows.item, rows.item, value)
+        builder.store(real, address, align=8)
+        of_slopes = _address_of_slopes(context, builder, rows.item, address)
+        builder.store(slopes, of_slopes, align=8)
     else:
         builder.store(value, address, align=8)
 
@@ -227,5 +265,5 @@ def joined(context, builder, kind, parts):
     """Return duals, or a complex number, made of a real and an imaginary part; the latter may be None."""
     pair = cgutils.create_struct_proxy(kind)(context, builder)
     pair.real = parts[0]
-    pair.imag = ir.Constant(parts[0].type, None) if parts[1] is None else parts[1]
+    pair.imag = ir.Constant(pair.imag.type, None) if parts[1] is None else parts[1]
     return pair._getvalue()

@@ -2,8 +2,9 @@
 
 With one lane it is a plain float or complex number. With more it is a vector of floats that the
 compiler keeps in a vector register: every statement of the kernels becomes a vector instruction,
-independent of whether a compiler would vectorize a loop. Rows of complex numbers hold `Duals`, one
-number with its derivative per lane: a complex step whose square is negligible. Arithmetic,
+independent of whether a compiler would vectorize a loop. Rows of records (`lane_types.dual_row`) hold
+`Duals`, in every lane a number with one or several derivatives: complex steps whose squares are
+negligible. Arithmetic,
 comparisons, `abs`, `min`, `max`, ``** 0.5``, `np.sqrt` and `np.floor` work on such `Lanes`; a
 comparison gives a `Mask`, by which `where` selects. A function that branches cannot take lanes;
 `each_lane` calls it once per lane.
@@ -37,7 +38,7 @@ from laticauda.compiling.lane_types import Duals, Lanes, Mask, joined, parted, v
 def _broadcast(context, builder, fromty, toty, value):
     if isinstance(toty, Duals):
         real, _ = parted(context, builder, fromty, toty, value)
-        return joined(context, builder, toty, (real, ir.Constant(real.type, None)))
+        return joined(context, builder, toty, (real, None))
     if not isinstance(toty, Mask):
         value = context.cast(builder, value, fromty, toty.dtype)
     return _splat(builder, vector(toty), value)
@@ -173,15 +174,53 @@ def _real(x):
 
 
 @intrinsic
-def _imaginary_part(typingctx, x):
-    return x.part(x), lambda context, builder, sig, args: parted(context, builder, x, x, args[0])[1]
+def differs(typingctx, x, number):
+    """Return whether x differs from a constant: by its value, or because it has a derivative that is not 0."""
+
+    def codegen(context, builder, sig, args):
+        real, slopes = args[0], None
+        if isinstance(x, types.Complex | Duals):
+            real, slopes = parted(context, builder, x, x, args[0])
+        constant = context.cast(builder, args[1], number, _type_of_real(x))
+        answer = builder.fcmp_unordered("!=", real, constant)
+        if slopes is not None:
+            zero = ir.Constant(slopes.type, None)
+            for has_slope in _by_slope(builder, x, builder.fcmp_unordered("!=", slopes, zero)):
+                answer = builder.or_(answer, has_slope)
+        return answer
+
+    result = _truth(x) if isinstance(x, Lanes) else types.boolean
+    return result(x, number), codegen
 
 
-@overload_attribute(Lanes, "imag", inline="always")
-def _imag(x):
-    if isinstance(x, Duals):
-        return lambda x: _imaginary_part(x)  # pyright: ignore[reportCallIssue]
-    return lambda x: 0.0 * x
+def _type_of_real(kind):
+    """Return the type of a number without its derivatives."""
+    if isinstance(kind, Duals):
+        return kind.part
+    if isinstance(kind, types.Complex):
+        return kind.underlying_float
+    return kind
+
+
+def _by_slope(builder, kind, vector):
+    """Return what belongs to the first slopes of all lanes, to the second ones, and so on."""
+    n_slopes, width = getattr(kind, "n_slopes", 1), getattr(kind, "width", 1)
+    if n_slopes == 1:
+        return [vector]
+    parts = []
+    for k in range(n_slopes):
+        places = range(k * width, (k + 1) * width)
+        parts.append(_some_of(builder, vector, places))
+    return parts
+
+
+def _some_of(builder, vector, places):
+    """Return the elements of a vector at some places: a vector, or the only element."""
+    index = ir.IntType(32)
+    if len(places) == 1:
+        return builder.extract_element(vector, ir.Constant(index, places[0]))
+    order = ir.Constant(ir.VectorType(index, len(places)), list(places))
+    return builder.shuffle_vector(vector, ir.Constant(vector.type, ir.Undefined), order)
 
 
 # ---- choices -------------------------------------------------------------------------------------
@@ -223,7 +262,7 @@ def where(typingctx, condition, a, b):
         real_a, imag_a = parted(context, builder, kind, kind, value_a)
         real_b, imag_b = parted(context, builder, kind, kind, value_b)
         real = builder.select(args[0], real_a, real_b)
-        imag = builder.select(args[0], imag_a, imag_b)
+        imag = duals.choose(builder, args[0], imag_a, imag_b)
         return joined(context, builder, kind, [real, imag])
 
     return kind(condition, a, b), codegen
@@ -253,7 +292,8 @@ def chained(typingctx, value, slope, x):
         if not isinstance(x, types.Complex | Duals):
             return args[0]
         _, derivative = parted(context, builder, x, x, args[2])
-        return joined(context, builder, x, [args[0], builder.fmul(args[1], derivative)])
+        slope = duals.repeated(builder, args[1], derivative)
+        return joined(context, builder, x, [args[0], builder.fmul(slope, derivative)])
 
     return x(value, slope, x), codegen
 
@@ -427,7 +467,7 @@ def each_lane(typingctx, function, arguments):
 def _alone(kind):
     """Return the type of a single lane."""
     if isinstance(kind, Duals):
-        return Duals(kind.dtype, 1)
+        return Duals(kind.dtype, 1, kind.n_slopes)
     if isinstance(kind, Lanes):
         return kind.dtype
     return kind
@@ -436,9 +476,10 @@ def _alone(kind):
 def _picked_lane(context, builder, kind, value, lane):
     index = ir.Constant(ir.IntType(32), lane)
     if isinstance(kind, Duals):
-        parts = parted(context, builder, kind, kind, value)
-        numbers = [builder.extract_element(part, index) for part in parts]
-        return joined(context, builder, _alone(kind), numbers)
+        real, slopes = parted(context, builder, kind, kind, value)
+        places = range(lane, kind.width * kind.n_slopes, kind.width)
+        parts = [builder.extract_element(real, index), _some_of(builder, slopes, places)]
+        return joined(context, builder, _alone(kind), parts)
     if isinstance(kind, Lanes):
         return builder.extract_element(value, index)
     return value
@@ -449,9 +490,9 @@ def _with_lane(context, builder, kind, value, scalar, lane):
     if not isinstance(kind, Duals):
         return builder.insert_element(value, scalar, index)
     real, imag = parted(context, builder, kind, kind, value)
-    new_real, new_imag = parted(context, builder, _alone(kind), _alone(kind), scalar)
-    parts = [
-        builder.insert_element(real, new_real, index),
-        builder.insert_element(imag, new_imag, index),
-    ]
-    return joined(context, builder, kind, parts)
+    new_real, new_slopes = parted(context, builder, _alone(kind), _alone(kind), scalar)
+    for k, slope in enumerate(_by_slope(builder, _alone(kind), new_slopes)):
+        place = ir.Constant(ir.IntType(32), lane + k * kind.width)
+        imag = builder.insert_element(imag, slope, place)
+    real = builder.insert_element(real, new_real, index)
+    return joined(context, builder, kind, [real, imag])

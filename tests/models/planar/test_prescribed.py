@@ -8,7 +8,7 @@ from chains import FORMS, random_robot, random_water
 from hypothesis import example, given, settings, strategies as st
 
 import laticauda as lc
-from laticauda.compiling.lane_types import split
+from laticauda.compiling.lane_types import dual_row
 from laticauda.models.planar import rows
 from laticauda.models.planar.batch import STEP, WIDTH, aligned
 from laticauda.models.planar.model import RUN, RUN_PRESCRIBED, PlanarPlant, specialize
@@ -49,7 +49,9 @@ def march(
     """Return rows and log after some steps by the kernel of this name."""
     run = getattr(specialize(width, plant.law), name)
     S = S.copy()
-    log = np.zeros((1 + n_steps, plant.layout.sample_size, width), S.dtype)
+    log = np.zeros((1 + n_steps, plant.layout.sample_size, *S.shape[1:]), S.dtype)
+    if S.ndim == 1 and width == 1:
+        log = log[..., np.newaxis]
     n_samples = run(S, *plant.layout.chain, False, n_steps, plant.dt, 1, log)
     assert n_samples == 1 + n_steps
     return S, log
@@ -130,11 +132,11 @@ def test_derivatives_are_those_of_the_general_recursion():
     slopes[shares] -= slopes[shares].mean(axis=0)
     # A current of 0 has a derivative, too.
     slopes[rows.CURRENT_X] = 1.0
-    flat = aligned((S.size, WIDTH), complex)
-    real, imaginary = split(flat)
-    real[:], imaginary[:] = S[:, np.newaxis], STEP * slopes
+    flat = aligned((S.size,), dual_row(WIDTH, 1))
+    flat["value"] = S[:, np.newaxis]
+    flat["slopes"][:, 0] = STEP * slopes
     logs = [march(name, plant, flat, 40, WIDTH)[1] for name in (RUN, RUN_PRESCRIBED)]
-    (general, general_slope), (own, own_slope) = map(split, logs)
+    (general, general_slope), (own, own_slope) = ((log["value"], log["slopes"]) for log in logs)
     assert_close(own, general)
     assert np.abs(general_slope[-1, rows.X - rows.TIME]).min() > 0.1 * STEP
     for general_of_row, own_of_row in zip(

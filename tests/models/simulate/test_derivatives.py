@@ -5,7 +5,7 @@ import pytest
 
 import laticauda as lc
 from laticauda.compiling.pullbacks import NotTraceable
-from laticauda.models.planar import pullbacks, reverse, rows
+from laticauda.models.planar import batch, pullbacks, reverse, rows
 from laticauda.models.simulate import (
     batch_scenarios,
     build_plant,
@@ -262,6 +262,7 @@ def test_a_fault_in_a_formula_of_the_model_is_not_blamed_on_the_drag_law(monkeyp
         raise NotTraceable("The formula branches.")
 
     monkeypatch.setattr(pullbacks, "_written", {})
+    monkeypatch.setattr(reverse, "_specialized", {})
     monkeypatch.setattr(pullbacks, "_write_of_waves", fail)
     plant = build_plant(FINNED, WATER)
     with pytest.raises(NotTraceable, match="The formula branches"):
@@ -379,3 +380,14 @@ def test_a_number_is_changed_no_more_often_than_its_formulas_need(robot, name, n
         of_module = np.arange(len(bodies)) == 3
         expected = (of_module - bodies[:, rows.MASS_SHARE]) / run.plant.robot.mass
         np.testing.assert_allclose(slopes, expected, rtol=1e-13)
+
+
+def test_numbers_of_a_trial_share_its_run_and_have_the_same_derivatives(monkeypatch):
+    names = NAMES[:5]  # three lanes of a trial, the last with a single derivative
+    gaits = [GAIT, replace(GAIT, amplitude=0.4)]
+    together = compute_sensitivities(FINNED, gaits, 4.0, environments=WATER, names=names)
+    monkeypatch.setattr(batch, "MOST_SLOPES", 1)
+    apart = compute_sensitivities(FINNED, gaits, 4.0, environments=WATER, names=names)
+    np.testing.assert_allclose(together.values, apart.values, rtol=1e-13)
+    size = np.abs(apart.jacobian).max(axis=2, keepdims=True)
+    assert np.nanmax(np.abs(together.jacobian - apart.jacobian) / size) < 1e-12

@@ -204,6 +204,7 @@ def _target() -> Target:
             **dict.fromkeys(("rows_of", "any_lane", "first_lane"), itself),
             "where": where,
             "magnitude": magnitude,
+            "differs": device(lambda x, number: x != number),
             "sincos": device(lambda x: (math.sin(x), math.cos(x))),
             "expm1": device(lambda x: math.expm1(x)),
             "free_joints": free_joints,

@@ -19,6 +19,7 @@ adjoint_references  the part of it that goes back through the reference generato
 pullbacks      the formulas that both are made of, traced
 reverse        driving it, segment by segment
 model          a single robot as a `Plant`
+lanes_of_runs  which lane of the kernels does which run of a batch
 batch          many runs at once
 given_motion   loads of a motion that is known, as from a film
 fleet          many runs at once that controllers steer

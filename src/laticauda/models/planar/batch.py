@@ -5,24 +5,35 @@ on its neighbors, on the order, or on the number of threads.
 
 Runs may carry derivatives. Every number of a block is then complex, and its imaginary part is
 `STEP` times the derivative with respect to the run's parameter; what kernels must keep to for that
-is said in `number_types`.
+is said in `number_types`. Runs that differ in their slopes alone share what is computed for their
+values (`lanes_of_runs`).
 """
 
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import groupby, islice
-from typing import Any, TypeVar, cast
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from jaxtyping import Float, Inexact, Int
 
 from laticauda.compiling.formulas import digest_of
-from laticauda.compiling.lane_types import split
 from laticauda.models.dynamics.sampled_loads import SampledLoads
 from laticauda.models.dynamics.school import GAIT_PARAMETERS, usable_cores
 from laticauda.models.planar import rows
+from laticauda.models.planar.lanes_of_runs import (
+    MOST_SLOPES,
+    STEP as STEP,
+    WIDTH as WIDTH,
+    LanesOfRuns,
+    aligned as aligned,
+    blocks_of,
+    lanes_of_single_runs,
+    values_of,
+)
 from laticauda.models.planar.layout import Layout
 from laticauda.models.planar.load_log import LoadLog
 from laticauda.models.planar.model import PlanarPlant
@@ -31,10 +42,9 @@ from laticauda.scenarios import Command, Controller, Start
 from laticauda.values import Extensible
 
 Result = TypeVar("Result")
+Lanes = Sequence[Sequence[int]]
+"""Indices of the runs of every lane."""
 
-WIDTH = 8
-"""Runs side by side. They fill an AVX-512 register; other processors use two or four registers for the
-same numbers, and 16 lanes are no faster."""
 COMMAND = slice(rows.AMPLITUDE, rows.OFFSET + 1)
 """Rows of a wave's parameters (`GAIT_PARAMETERS`)."""
 FILTERED_COMMAND = [rows.AMPLITUDE_NOW, rows.FREQUENCY_NOW, rows.PHASE_SHIFT_NOW]
@@ -43,8 +53,6 @@ MOST_BLOCKS_PER_TASK = 8
 """Blocks that one thread takes at a time."""
 SAMPLES_PER_CALL = 2000
 """Samples that are logged by one call of a kernel."""
-STEP = 2.0**-100
-"""Step of the derivatives: far below rounding, and a power of two, so that scaling by it changes no digits."""
 _X = column_of(rows.X)
 _VX = column_of(rows.VX)
 _AXES = 2
@@ -82,18 +90,14 @@ class Run:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Block:
-    """Results of a few runs of the same kind, runs along the last axis; the next block overwrites the path."""
+    """Results of a few runs of the same kind, runs along the last axis; the next block overwrites the samples."""
 
     index: Int[np.ndarray, " n_runs"]
     """Indices of these runs in the batch."""
-    time: Float[np.ndarray, " n_samples"]
-    """Times of the samples [s]."""
-    center_of_mass: Inexact[np.ndarray, "n_samples 2 n_runs"]
-    """p [m]."""
-    center_of_mass_velocity: Inexact[np.ndarray, "n_samples 2 n_runs"]
-    """p' [m/s]."""
-    log: Inexact[np.ndarray, "n_samples n_rows n_runs"]
-    """The header's state rows from TIME to VY; complete logs also include the joints (see `sample_format`)."""
+    samples: np.ndarray
+    """What the kernels have logged."""
+    lanes: LanesOfRuns
+    """Where the runs lie in it."""
     heading: Inexact[np.ndarray, " n_runs"]
     """Heading at the end [rad]."""
     work: Inexact[np.ndarray, "4 n_runs"]
@@ -102,6 +106,34 @@ class Block:
     """Number of samples before the run diverged; all samples if the run reached its end."""
     loads: tuple[SampledLoads, ...] | None = None
     """Loads of each run at the samples, which mean nothing from where it diverged; None: not requested."""
+
+    @property
+    def time(self) -> Float[np.ndarray, " n_samples"]:
+        """Times of the samples [s]."""
+        return np.real(values_of(self.samples)[:, 0, 0])
+
+    @cached_property
+    def log(self) -> Inexact[np.ndarray, "n_samples n_rows n_runs"]:
+        """The header's state rows from TIME to VY; complete logs also include the joints (see `sample_format`)."""
+        return self.lanes.numbers(self.samples)
+
+    @property
+    def center_of_mass(self) -> Inexact[np.ndarray, "n_samples 2 n_runs"]:
+        """p [m]."""
+        return self.log[:, _X : _X + _AXES]
+
+    @property
+    def center_of_mass_velocity(self) -> Inexact[np.ndarray, "n_samples 2 n_runs"]:
+        """p' [m/s]."""
+        return self.log[:, _VX : _VX + _AXES]
+
+    def at(self, sample: Int[np.ndarray, " n_runs"]) -> Inexact[np.ndarray, "n_rows n_runs"]:
+        """Return one sample of every run, as in `log`, without those between.
+
+        Args:
+            sample: Index of the sample of each run.
+        """
+        return self.lanes.numbers_at(self.samples, sample)
 
 
 class Device(Extensible, group="devices"):
@@ -141,26 +173,32 @@ def march_many(
     """
     n_intervals = max(1, round(duration / sample_interval))
     n_threads = threads or usable_cores()
+    n_slopes = _slopes_per_lane(runs)
     tasks = _tasks(runs, duration / n_intervals, n_threads)
 
-    def work(task: np.ndarray) -> list[Result]:
-        task_runs = [runs[int(i)] for i in task]
-        plant = task_runs[0].plant  # kernel and rows are the same for all runs of a kind
-        columns = columns_of(task_runs)
+    def work(task: Lanes) -> list[Result]:
+        first_runs = [runs[lane[0]] for lane in task]
+        plant = first_runs[0].plant  # kernel and rows are the same for all runs of a kind
+        columns = columns_of(first_runs)
         n_rows = PATH_ROWS
         if with_joints or with_loads:
             n_rows = plant.layout.sample_size
-        kind = float if runs[0].slope is None else complex
-        log = aligned((1 + min(n_intervals, SAMPLES_PER_CALL), n_rows, WIDTH), kind)
+        n_samples = 1 + min(n_intervals, SAMPLES_PER_CALL)
+        log = LanesOfRuns.of(task, n_slopes).room(n_samples, n_rows)
         results: list[Result] = []
-        for first in range(0, len(task_runs), WIDTH):
-            lanes = slice(first, first + WIDTH)
-            S = side_by_side(columns[:, lanes], task_runs[lanes])
+        for first, lanes in zip(range(0, len(task), WIDTH), blocks_of(task, WIDTH), strict=True):
+            indices = np.concatenate(lanes)
+            members = _Members(
+                indices=indices,
+                lanes=LanesOfRuns.of(lanes, n_slopes),
+                runs=[runs[int(i)] for i in indices],
+            )
             load_log: LoadLog | None = None
             if with_loads:
-                plants = [run.plant for run in task_runs[lanes]]
+                plants = [run.plant for run in members.runs]
                 load_log = LoadLog(plants, WIDTH, 1 + n_intervals)
-            block = _march(plant, task[lanes], S, duration, n_intervals, log, load_log)
+            S = members.side_by_side(columns[:, first : first + WIDTH])
+            block = _march(plant, members, S, duration, n_intervals, log, load_log)
             results.append(use(block))
         return results
 
@@ -178,13 +216,61 @@ def march_many(
                 future.cancel()
 
 
-def _tasks(runs: Sequence[Run], interval: float, n_threads: int) -> Iterator[np.ndarray]:
-    """Yield indices of runs that can run side by side, a few blocks of WIDTH per task."""
+class _Members(NamedTuple):
+    """The runs of a block."""
+
+    indices: Int[np.ndarray, " n_runs"]
+    """Indices of these runs in the batch."""
+    lanes: LanesOfRuns
+    """Where they lie."""
+    runs: Sequence[Run]
+    """The runs."""
+
+    def side_by_side(self, columns: Float[np.ndarray, "n_rows n_lanes"]) -> np.ndarray:
+        """Return the rows of the runs as the kernels take them.
+
+        Args:
+            columns: Rows of one run of every lane.
+        """
+        slopes = [run.slope for run in self.runs if run.slope is not None]
+        return self.lanes.fill(columns, slopes)
+
+
+def _slopes_per_lane(runs: Sequence[Run]) -> int:
+    """Return how many derivatives the lanes of a batch carry: none, one, or as many as they can."""
+    if not runs or runs[0].slope is None:
+        return 0
+    if len(set(map(_values_of_run, runs))) == len(runs):
+        return 1
+    return MOST_SLOPES
+
+
+def _values_of_run(run: Run) -> tuple[int, int, int]:
+    """Return what runs of the same values have in common, as far as these are the same objects."""
+    return id(run.plant), id(run.command), id(run.start)
+
+
+def _lanes_of(runs: Sequence[Run], indices: Sequence[int]) -> Lanes:
+    """Return the runs of every lane: one, or several that differ in their slopes alone."""
+    lanes: list[list[int]] = []
+    last_lane: dict[object, list[int]] = {}
+    for i in indices:
+        values = _values_of_run(runs[i])
+        lane = last_lane.get(values)
+        if lane is not None and runs[i].slope is not None and len(lane) < MOST_SLOPES:
+            lane.append(i)
+        else:
+            last_lane[values] = [i]
+            lanes.append(last_lane[values])
+    return lanes
+
+
+def _tasks(runs: Sequence[Run], interval: float, n_threads: int) -> Iterator[Lanes]:
+    """Yield the runs of lanes that can run side by side, a few blocks of WIDTH lanes per task."""
     for indices in kinds_of(runs, interval):
-        n_blocks = max(len(indices) // (4 * WIDTH * n_threads), 1)
-        size = WIDTH * min(n_blocks, MOST_BLOCKS_PER_TASK)
-        for first in range(0, len(indices), size):
-            yield np.array(indices[first : first + size])
+        lanes = _lanes_of(runs, indices)
+        n_blocks = max(len(lanes) // (4 * WIDTH * n_threads), 1)
+        yield from blocks_of(lanes, WIDTH * min(n_blocks, MOST_BLOCKS_PER_TASK))
 
 
 def kinds_of(runs: Sequence[Run], interval: float) -> Iterable[list[int]]:
@@ -241,7 +327,7 @@ def _kind(plant: PlanarPlant, interval: float, law_digest: str) -> object:
 
 def _march(
     plant: PlanarPlant,
-    index: np.ndarray,
+    members: _Members,
     S: np.ndarray,
     duration: float,
     n_intervals: int,
@@ -255,57 +341,67 @@ def _march(
     every = plant.steps_in(duration / n_intervals)
     dt = duration / n_intervals / every
     march = plant.kernels_of(WIDTH).run
+    lanes = members.lanes
     path: np.ndarray | None = None
     if n_intervals > SAMPLES_PER_CALL:
-        path = _path_without_samples(log, duration, n_intervals)
+        path = _path_without_samples(lanes.numbers(log[:1]), duration, n_intervals)
     is_well = np.full(WIDTH, True)
     n_samples = np.zeros(WIDTH, dtype=int)
     for first in range(0, n_intervals, SAMPLES_PER_CALL):
         count = min(SAMPLES_PER_CALL, n_intervals - first)
         part = log[: count + 1]
         n_logged = march(S, *plant.layout.chain, plant.is_implicit, count * every, dt, every, part)
-        n_written = np.real(_numbers(S[rows.SAMPLES])).astype(int)
+        n_written = values_of(S)[rows.SAMPLES].astype(int)
         # The first sample of a further part is the last one of the part before.
         n_repeated = 0 if first == 0 else 1
         n_samples += is_well * np.maximum(n_written - n_repeated, 0)
         is_well &= n_written == count + 1
         if path is not None:
-            path[first + n_repeated : first + n_logged] = _numbers(part[n_repeated:n_logged])
+            path[first + n_repeated : first + n_logged] = lanes.numbers(part[n_repeated:n_logged])
         if load_log is not None:
             load_log.add(S, part[n_repeated:n_logged], first + n_repeated)
         if not is_well.any():
             break
-    if path is None:
-        path = _numbers(log)
-    n = index.size
     loads = None if load_log is None else load_log.loads()
-    return block_of(index, path[..., :n], _numbers(S)[:, :n], n_samples[:n], loads)
+    end = lanes.numbers(S[: rows.HEADER_ROWS])
+    block = block_of(members.indices, log, end, n_samples[lanes.lane], loads, lanes)
+    if path is None:
+        return block
+    return replace(block, samples=path, lanes=lanes_of_single_runs(path.shape[-1]))
 
 
-def _path_without_samples(log: np.ndarray, duration: float, n_intervals: int) -> np.ndarray:
-    """Return the path of a block of long runs before it is known: times only, all else nan.
+def _path_without_samples(sample: np.ndarray, duration: float, n_intervals: int) -> np.ndarray:
+    """Return the path of a block of long runs before it is known, like `sample`: times only, all else nan.
 
     It keeps its length when all runs of the block diverge, and the rest is never computed.
     """
-    path = np.full((1 + n_intervals, *log.shape[1:]), np.nan, dtype=_numbers(log[:1]).dtype)
+    path = np.full((1 + n_intervals, *sample.shape[1:]), np.nan, dtype=sample.dtype)
     path[:, 0] = np.linspace(0.0, duration, 1 + n_intervals)[:, np.newaxis]
     return path
 
 
 def block_of(
     index: np.ndarray,
-    path: np.ndarray,
+    samples: np.ndarray,
     end: np.ndarray,
     n_samples: np.ndarray,
     loads: tuple[SampledLoads, ...] | None = None,
+    lanes: LanesOfRuns | None = None,
 ) -> Block:
-    """Return the results of runs, from their logs and their rows at the end."""
+    """Return the results of runs, from their logs and the rows of the header at the end.
+
+    Args:
+        index: Indices of the runs in the batch.
+        samples: What was logged.
+        end: Rows of the header at the end of every run.
+        n_samples: Number of samples before a run diverged.
+        loads: Loads of each run at the samples.
+        lanes: Where the runs lie in the samples; None: one in each lane.
+    """
     return Block(
         index=index,
-        time=np.real(path[:, 0, 0]),
-        center_of_mass=path[:, _X : _X + _AXES],
-        center_of_mass_velocity=path[:, _VX : _VX + _AXES],
-        log=path,
+        samples=samples,
+        lanes=lanes or lanes_of_single_runs(samples.shape[-1]),
         heading=end[rows.HEADING].copy(),
         work=end[rows.WORK_ABSOLUTE :][: rows.N_WORKS].copy(),
         n_samples=n_samples,
@@ -313,19 +409,9 @@ def block_of(
     )
 
 
-def side_by_side(columns: np.ndarray, runs: Sequence[Run]) -> np.ndarray:
-    """Return the rows of up to WIDTH runs as lanes, complex if they have slopes; unused lanes repeat the last run."""
-    n = len(runs)
-    has_slopes = runs[0].slope is not None
-    S = aligned((columns.shape[0], WIDTH), complex if has_slopes else float)
-    real = S
-    if has_slopes:
-        real, slopes = split(S)
-        slopes[:, :n] = STEP * np.stack([cast(np.ndarray, run.slope) for run in runs], axis=1)
-        slopes[:, n:] = slopes[:, n - 1 : n]
-    real[:, :n] = columns
-    real[:, n:] = columns[:, -1:]
-    return S
+def side_by_side(columns: np.ndarray) -> np.ndarray:
+    """Return the rows of up to WIDTH runs without slopes as lanes; unused lanes repeat the last run."""
+    return lanes_of_single_runs(columns.shape[1]).fill(columns)
 
 
 def columns_of(runs: Sequence[Run]) -> np.ndarray:
@@ -375,19 +461,3 @@ def _are_same(first: object, second: object, but: Sequence[str]) -> bool:
         if value is not other_value and name not in but and value != other_value:
             return False
     return True
-
-
-def _numbers(lanes: np.ndarray) -> np.ndarray:
-    """Return the kernels' output as plain numbers, complex if the runs had slopes."""
-    if lanes.dtype == float:
-        return lanes
-    real, imaginary = split(lanes)
-    return real + 1j * imaginary
-
-
-def aligned(shape: tuple[int, ...], kind: type) -> np.ndarray:
-    """Return an array of zeros that is aligned to the size of a vector register."""
-    size = int(np.prod(shape)) * np.dtype(kind).itemsize // 8
-    raw: np.ndarray = np.zeros(size + 8)
-    first = -raw.__array_interface__["data"][0] % 64 // 8
-    return cast(np.ndarray, raw[first : first + size].view(kind)).reshape(shape)

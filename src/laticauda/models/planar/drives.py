@@ -19,7 +19,7 @@ lanes. `bindings` holds that of this loading, under the name that `model.TEMPLAT
 from laticauda.compiling import compile_scalar, kernel
 from laticauda.compiling.formulas import rows_from
 from laticauda.compiling.functions import expm1, sincos
-from laticauda.compiling.lanes import any_lane, first_lane, magnitude, where
+from laticauda.compiling.lanes import any_lane, differs, first_lane, where
 from laticauda.compiling.templates import bindings
 from laticauda.models.dynamics.semi_implicit import N_STAGES, NODES
 from laticauda.models.dynamics.shared_laws import compile_shared_laws
@@ -123,7 +123,7 @@ def set_reference(S, n, law, tail_link):
 def ahead_of_wave(S, b, s, c):
     """Return sine and cosine of a joint's phase from those of the wave, which it may lead."""
     lead = S[b + LEAD]
-    if any_lane(magnitude(lead.real) + magnitude(lead.imag) > 0.0):
+    if any_lane(differs(lead, 0.0)):
         sin_lead, cos_lead = sincos(lead)
         return s * cos_lead + c * sin_lead, c * cos_lead - s * sin_lead
     return s, c

@@ -21,7 +21,7 @@ lanes. `bindings` holds those of this loading, under the names that `model.TEMPL
 from laticauda.compiling import compile_scalar, kernel
 from laticauda.compiling.formulas import in_rows, rows_from, summed
 from laticauda.compiling.functions import sincos
-from laticauda.compiling.lanes import any_lane, first_lane, magnitude, where
+from laticauda.compiling.lanes import any_lane, differs, first_lane, magnitude, where
 from laticauda.compiling.templates import bindings
 from laticauda.models.planar import number_types
 from laticauda.models.planar.rows import *
@@ -220,10 +220,10 @@ def still_velocity_terms(S, b, v_t, v_n, rate):
 @kernel
 def is_still(S):
     """Return whether the water is still and the form the relative one, in all lanes and with no derivative."""
-    differs = False
+    is_moving = False
     for row, value in STILL_WATER:
-        differs |= any_lane((S[row].real != value) | (S[row].imag != 0.0))
-    return not differs
+        is_moving |= any_lane(differs(S[row], value))
+    return not is_moving
 
 
 @kernel

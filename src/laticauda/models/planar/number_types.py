@@ -5,7 +5,7 @@ The same kernels are compiled, or run as plain Python, with ``S[q]`` of several 
 float          a single run
 complex        a single run with derivatives: the imaginary part is a small step times the derivative
 lanes          eight runs side by side (`compiling.lanes`)
-complex lanes  the same with derivatives (`compiling.lane_types.Duals`)
+dual lanes     the same with one or two derivatives of each number (`compiling.lane_types.Duals`)
 
 From this follows what the kernels do:
 
@@ -15,6 +15,7 @@ From this follows what the kernels do:
 - A variable has one type throughout. Where one branch sets it to a constant and another one to a number
   of `S`, the constant is written `zero_like` a number of `S`, or is added to it. (A constant that only
   starts a sum may be a plain 0.0: Numba then takes the type of the sum.)
+- A number that is 0 may have a derivative: what may be left out only without one is told by `differs`.
 - No ``abs``, ``max`` or ``math``: `magnitude`, `where`, and `compiling.functions` exist for all types.
 """
 

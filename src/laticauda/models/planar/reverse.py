@@ -42,6 +42,10 @@ ADJOINT_TEMPLATES = {
 """Templates of the kernels that go backward, see `model.TEMPLATES`."""
 
 
+_specialized: dict[tuple[int, str], ModuleType] = {}
+"""Kernels by number of lanes and digest of the drag law."""
+
+
 def seed_of(row: int) -> int:
     """Return the place of a row of the base's state among the SEED_ROWS.
 
@@ -87,9 +91,13 @@ def specialize(width: int, drag_law: Formula) -> ModuleType:
         NotTraceable: If the drag law does more than arithmetic with its numbers.
     """
     # Numba is slow to import.
+    from laticauda.compiling.formulas import digest_of
     from laticauda.compiling.templates import specialized
     from laticauda.models.planar.pullbacks import write_pullbacks
 
+    key = width, digest_of(drag_law)
+    if key in _specialized:
+        return _specialized[key]
     names = {
         "n_lanes": width,
         "drag_law": drag_law,
@@ -97,7 +105,8 @@ def specialize(width: int, drag_law: Formula) -> ModuleType:
         "flow_parts": (),
         "pullbacks": write_pullbacks(drag_law),
     }
-    return specialized("laticauda.models.planar", ADJOINT_TEMPLATES, names)
+    _specialized[key] = specialized("laticauda.models.planar", ADJOINT_TEMPLATES, names)
+    return _specialized[key]
 
 
 class Room:
@@ -169,7 +178,7 @@ class _March:
         self._chain = plant.layout.chain
         self._advance = plant.kernels_of(WIDTH).run
         self._kernels = specialize(WIDTH, plant.law.formula)
-        self._rows = side_by_side(columns_of(runs), runs)
+        self._rows = side_by_side(columns_of(runs))
         intervals = min(max(1, SEGMENT // self._every), self._n_intervals)
         self._segments = [
             _Segment(

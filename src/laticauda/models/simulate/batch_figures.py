@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Inexact, Int
 
 from laticauda.models.planar import rows, sample_format
-from laticauda.models.planar.batch import PATH_ROWS, STEP, Block, Run
+from laticauda.models.planar.batch import STEP, Block, Run
 from laticauda.models.simulate import water_paths
 from laticauda.models.simulate.run_figures import Figure, RunFigures
 from laticauda.motion.gaits import Gait
@@ -112,8 +112,10 @@ WATER = slice(17, 17 + water_paths.N_NUMBERS)
 N_SAMPLED_NUMBERS = WATER.stop
 """Number of rows."""
 
+_POSITION = [sample_format.column_of(row) for row in (rows.X, rows.Y)]
+"""Rows of the position in the log of a block, which begins at TIME."""
 _PATH = [sample_format.column_of(row) for row in (rows.X, rows.Y, rows.VX, rows.VY)]
-"""Rows of position and velocity in the log of a block, which begins at TIME."""
+"""Rows of position and velocity there."""
 
 
 def sample_block(runs: Sequence[Run], block: Block, before: np.ndarray) -> np.ndarray:
@@ -124,16 +126,14 @@ def sample_block(runs: Sequence[Run], block: Block, before: np.ndarray) -> np.nd
         block: Results of the runs.
         before: Index of the last sample before the steady part of each run.
     """
-    position = block.center_of_mass
-    run = np.arange(before.size)
-    sample_before = block.log[before, :PATH_ROWS, run][:, _PATH]
-    sample_after = block.log[before + 1, :PATH_ROWS, run][:, _PATH]
+    begin = np.zeros_like(before)
+    end = np.full_like(before, -1)
     return np.concatenate(
         (
-            position[0],
-            position[-1],
-            sample_before.T,
-            sample_after.T,
+            block.at(begin)[_POSITION],
+            block.at(end)[_POSITION],
+            block.at(before)[_PATH],
+            block.at(before + 1)[_PATH],
             block.heading[np.newaxis],
             block.work,
             water_paths.sample_water(runs, block, before),

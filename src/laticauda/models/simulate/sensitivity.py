@@ -94,10 +94,10 @@ def compute_sensitivities(
 
     The derivatives are those of the kernels' results, at the time step of the trial, exact to
     rounding: the kernels carry each number with its derivative (a complex step). Trials and
-    parameters are computed side by side; each pair costs as much as two to three trials of a
-    batch. For more than ten parameters, if they are more than twice as many as the `figures` and
-    joints are prescribed, the trials are differentiated backward in time: each figure then costs as
-    much as six trials, however many parameters there are. The results are the same to rounding.
+    parameters are computed side by side; each pair costs little more than two trials of a batch. For more
+    than ten parameters, if they are more than twice as many as the `figures` and joints are
+    prescribed, the trials are differentiated backward in time: each figure then costs as much as five
+    trials, however many parameters there are. The results are the same to rounding.
     Where a figure has a kink (|u phi'| at u phi' = 0 in a power, saturation of a servo), it is
     differentiated on either side; over a whole trial, this is not visible.
 
@@ -262,6 +262,8 @@ class _NumbersByName:
         self._names_of_motion = [name for name in names if name.startswith(ROOTS_OF_MOTION)]
         self._shared: dict[tuple[int, ...], dict[str, Number]] = {}
         """Numbers that do not belong to the motion, by the identity of the objects that hold them."""
+        self._waves: dict[str, Parameter] = {}
+        """Parameters of the gait's wave, which every gait has, by name."""
 
     def find_numbers(self, scenario: Scenario) -> list[Number]:
         """Return the numbers of a scenario.
@@ -279,10 +281,23 @@ class _NumbersByName:
         numbers = self._shared[holders]
         if self._names_of_motion:
             numbers_of_motion = {
-                name: _find_number(scenario, name, parameters) for name in self._names_of_motion
+                name: self._find_in_motion(scenario, name, parameters)
+                for name in self._names_of_motion
             }
             numbers = numbers | numbers_of_motion
         return [numbers[name] for name in self._names]
+
+    def _find_in_motion(
+        self, scenario: Scenario, name: str, parameters: Mapping[str, Parameter]
+    ) -> Number:
+        """Return a number that belongs to the motion of a scenario."""
+        wave = self._waves.get(name)
+        if wave is not None:
+            return _number_of(scenario, wave, getattr(scenario.gait, _field_of(wave)))
+        number = _find_number(scenario, name, parameters)
+        if number.wave_parameter is not None:
+            self._waves[name] = parameters[name]
+        return number
 
     def find_parameters(self, scenario: Scenario) -> tuple[Parameter, ...]:
         """Return the parameters of a scenario, all of which it has."""
@@ -309,7 +324,8 @@ def _find_number(scenario: Scenario, name: str, parameters: Mapping[str, Paramet
 
 def _number_of(scenario: Scenario, parameter: Parameter, value: float) -> Number:
     """Return a parameter of a scenario as a number with respect to which its run is differentiated."""
-    root, _, field = parameter.name.partition(".")
+    root = parameter.name.partition(".")[0]
+    field = _field_of(parameter)
     return Number(
         name=parameter.name,
         scenario=scenario,
@@ -317,6 +333,11 @@ def _number_of(scenario: Scenario, parameter: Parameter, value: float) -> Number
         change=functools.partial(_with_value, scenario, parameter.name),
         wave_parameter=field if root == "gait" and field in GAIT_PARAMETERS else None,
     )
+
+
+def _field_of(parameter: Parameter) -> str:
+    """Return the name of a parameter without its root."""
+    return parameter.name.partition(".")[2]
 
 
 def _with_value(scenario: Scenario, name: str, value: float) -> Scenario:

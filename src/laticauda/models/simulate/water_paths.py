@@ -56,14 +56,17 @@ def _water_velocity(run: Run, block: Block, i: int) -> Inexact[np.ndarray, "n_sa
         return None
     if water.flow is not None:
         return _flow_velocity(run, water, block, i)
-    if run.slope is None and water.is_still:
+    if water.is_still and not _changes_current(run):
         return None
     velocity = np.array(water.uniform[:2], dtype=block.work.dtype)
     if run.slope is not None:
         velocity = velocity + 1j * STEP * run.slope[_CURRENT]
-    if not np.any(velocity):
-        return None
     return np.broadcast_to(velocity, (block.time.size, 2))
+
+
+def _changes_current(run: Run) -> bool:
+    """Return whether a parameter is a number of a uniform current."""
+    return run.slope is not None and any(run.slope[row] for row in _CURRENT)
 
 
 def _flow_velocity(
