@@ -6,8 +6,11 @@ their derivatives are finite differences.
 
 import laticauda as lc
 from laticauda.models.planar import PlanarPlant
+from laticauda.scenarios import Planar
 from laticauda.values import quantity, value_class
 
+_WITHOUT_STEPS = Planar(dt=0.05)
+"""Settings of a plant that is not simulated: choosing a time step takes longer than the loads."""
 LOADS = {"drag": "N", "side_force": "N", "yaw_moment": "N m"}
 """Loads of a tow, and their units; see `Tow`."""
 
@@ -32,6 +35,8 @@ class Tow:
         Args:
             scenario: Scenario that provides robot and water; all else is ignored.
         """
-        plant = PlanarPlant(robot=scenario.robot, environment=scenario.environment)
+        plant = PlanarPlant(
+            robot=scenario.robot, environment=scenario.environment, settings=_WITHOUT_STEPS
+        )
         along, across, moment = plant.towing_load(self.speed, self.angle)
         return {"drag": -along, "side_force": across, "yaw_moment": moment}
