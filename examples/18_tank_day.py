@@ -41,7 +41,10 @@ def log(name: str, trial: lc.Trial) -> None:
     angles = np.column_stack((trial.link_angle[:, :1], trial.joint_angle))
     angles = angles + rng.normal(0.0, 0.005, angles.shape)
     rows = np.column_stack((trial.time, position, np.degrees(angles)))
-    with (folder / f"{name}.csv").open("a", newline="") as file:
+    table = folder / f"{name}.csv"
+    head = table.read_text().splitlines()[0]
+    with table.open("w", newline="") as file:
+        file.write(f"{head}\n")
         csv.writer(file).writerows(rows.tolist())
 
 
