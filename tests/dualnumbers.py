@@ -120,6 +120,8 @@ def python_kernels(law=None):
         "any_lane": same,
         "differs": _differs,
         "first_lane": same,
+        "uncounted": same,
+        "keep_until_here": same,
         "where": lambda condition, a, b: a if condition else b,
         "magnitude": lambda x: -x if x.real < 0.0 else x,
         "sincos": lambda x: (dual(x).sin(), dual(x).cos()),

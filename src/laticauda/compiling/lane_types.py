@@ -192,6 +192,29 @@ def dual_row(width: int, n_slopes: int) -> np.dtype[np.void]:
     return np.dtype([(VALUE, float, (width,)), (SLOPES, float, (n_slopes, width))])
 
 
+@intrinsic
+def uncounted(typingctx, array):
+    """Return the address of an array's numbers, which is indexed like the array, or an address itself.
+
+    Numba counts the owners of arrays: in the loops of kernels, the counting waits for all stores before it, and took
+    up to a tenth of the time. Addresses have no owners; somebody else must keep the array.
+    """
+    if isinstance(array, types.CPointer):
+        return array(array), lambda context, builder, sig, args: args[0]
+
+    def codegen(context, builder, sig, args):
+        return context.make_array(array)(context, builder, args[0]).data
+
+    dtype = types.uint8 if array.dtype == types.boolean else array.dtype
+    return types.CPointer(dtype)(array), codegen
+
+
+@intrinsic
+def keep_until_here(typingctx, array):
+    """Keep an array that a kernel has made: Numba frees it after it was used last, which addresses do not tell."""
+    return types.none(array), lambda context, builder, sig, args: context.get_dummy_value()
+
+
 def _is_row(rows, index):
     return isinstance(rows, Rows) and isinstance(index, types.Integer)
 

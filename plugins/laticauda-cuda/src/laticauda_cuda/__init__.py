@@ -201,7 +201,8 @@ def _target() -> Target:
             scalars.tanh: device(lambda x: math.tanh(x)),
         },
         replacements={
-            **dict.fromkeys(("rows_of", "any_lane", "first_lane"), itself),
+            **dict.fromkeys(("rows_of", "any_lane", "first_lane", "uncounted"), itself),
+            "keep_until_here": device(lambda array: None),
             "where": where,
             "magnitude": magnitude,
             "differs": device(lambda x, number: x != number),

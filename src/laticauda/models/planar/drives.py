@@ -120,6 +120,30 @@ def set_reference(S, n, law, tail_link):
 
 
 @kernel
+def note_rest(S, law, tail_link):
+    """Set RESTS: whether all references stay as `set_reference` has set them, as those that a command holds do."""
+    moves = any_lane((S[TIME].real < S[RAMP].real) | (S[KNOTS].real > 0.0))
+    moves |= not is_at_rest(body_wave(S), body_target(S))
+    if has_driven_fin(law, tail_link):
+        moves |= not is_at_rest(fin_wave(S), fin_target(S))
+    S[RESTS] = 0.0
+    if not moves:
+        S[RESTS] = 1.0
+
+
+@kernel
+def is_at_rest(wave, target):
+    """Return whether a wave without frequency stands still at its target, in all lanes and with no derivative."""
+    frequencies = wave[3], target[1]
+    errors = wave[1] - target[0], wave[5] - target[2], wave[7] - target[3]
+    rates = wave[2], wave[4], wave[6], wave[8]
+    moves = False
+    for number in (*frequencies, *errors, *rates):
+        moves |= any_lane(differs(number, 0.0))
+    return not moves
+
+
+@kernel
 def ahead_of_wave(S, b, s, c):
     """Return sine and cosine of a joint's phase from those of the wave, which it may lead."""
     lead = S[b + LEAD]
@@ -205,6 +229,9 @@ def go_to_stage(S, n, law, tail_link, stage, elapsed):
     """Advance the generator from its stored state to the time of a stage, and set the reference."""
     S[TIME] = S[SAVED_TIME]
     S[TIME_REST] = S[SAVED_TIME + 1]
+    if first_lane(S[RESTS].real) > 0.0:
+        S[TIME], S[TIME_REST] = shared.advance_time(S[TIME], S[TIME_REST], elapsed)
+        return
     for r in range(WAVE_ROWS):
         S[PHASE + r] = S[SAVED_WAVES + r]
     S[DECAY] = S[STAGE_DECAYS + stage]

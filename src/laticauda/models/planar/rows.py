@@ -163,6 +163,8 @@ SIN_SHIFT = _header.take()
 COS_SHIFT = _header.take()
 # 1 if the water is still and the form the relative one, see `STILL_WATER`
 IS_STILL = _header.take()
+# 1 if the references of all joints stand still as long as the command is held
+RESTS = _header.take()
 KNOT = _header.take()  # last knot of the recording before the current time
 DECAY = _header.take()  # decay of the generator's filters over one of its steps
 STAGE_DECAYS = _header.take(JOINT_STAGES)  # the same from the begin of a step to its stages
@@ -282,6 +284,9 @@ COAST_ANGLE = _body.take()  # implicit state of the stage if the joint did not a
 COAST_RATE = _body.take()
 GUESS = _body.take()  # acceleration at which the tangent touches the law
 GUESS_TORQUE = _body.take()  # torque of the law there, less that of the skin [N m]
+if _body.n % 2 == 0:
+    # An even number of cache lines would put the same row of all bodies into few sets of the cache.
+    _body.take()
 BODY_ROWS = _body.n
 
 # --- One record per fin strip, which is an element ------------------------------------------------------

@@ -21,6 +21,7 @@ names that `model.TEMPLATES` lists. Python calls its entry points.
 # pyright: reportCallIssue=false
 
 from laticauda.compiling import compile_scalar, entry, kernel, lane_types
+from laticauda.compiling.lane_types import keep_until_here, uncounted
 from laticauda.compiling.lanes import any_lane, first_lane, magnitude, where
 from laticauda.compiling.templates import bindings
 from laticauda.models.dynamics.bounds import FARTHEST, STRONGEST
@@ -71,15 +72,52 @@ def run(
     Where RESUMES is set and some joint is free, the first sample is not logged, but counts: a run before
     has logged it.
 
-    The accelerations when a sample is written are those of the state. A sample holds none of them; a
-    figure that needs them is computed afterwards, as `link_forces` does.
+    A sample holds no accelerations, and where all joints are free none are computed for it; a figure that
+    needs those of the state is computed afterwards, as `link_forces` does.
     """
-    S = rows_of(flat)
-    loads.note_still_water(S)
     is_free = free_joints(law)
+    written = march(
+        rows_of(flat),
+        n,
+        uncounted(first_strip),
+        uncounted(first_plate),
+        uncounted(law),
+        uncounted(is_free),
+        tail_link,
+        has_extras,
+        implicit,
+        steps,
+        dt,
+        every,
+        log,
+    )
+    keep_until_here(is_free)
+    return written
+
+
+@kernel
+def march(
+    S,
+    n,
+    first_strip,
+    first_plate,
+    law,
+    is_free,
+    tail_link,
+    has_extras,
+    implicit,
+    steps,
+    dt,
+    every,
+    log,
+):
+    """Do what `run` does, with addresses in place of arrays."""
+    loads.note_still_water(S)
     holds = any_prescribed(law, n)
+    is_any_held = not are_all_free(is_free, n)
     drives.set_decay(S, QUARTER * dt)
     drives.set_reference(S, n, law, tail_link)
+    drives.note_rest(S, law, tail_link)
     # With prescribed joints alone, the first sample is also the first stage of a step.
     resumes = implicit and first_lane(S[RESUMES].real) > 0.0
     S[RESUMES] = 0.0
@@ -94,10 +132,11 @@ def run(
         if is_sample or not implicit:
             if implicit:
                 drives.joint_torques(S, n, law)
-            recursion.accelerations(
-                S, n, first_strip, first_plate, is_free, tail_link, has_extras, True
-            )
-            recursion.holding_torques(S, n, is_free)
+            if is_any_held or not implicit:
+                recursion.accelerations(
+                    S, n, first_strip, first_plate, is_free, tail_link, has_extras, True
+                )
+                recursion.holding_torques(S, n, is_free)
             if implicit:
                 drives.set_powers(S, n, law)
             else:
@@ -141,10 +180,11 @@ def run_prescribed(
 ):
     """Do what `run` does, for runs that `prescribed` can do; the numbers agree to rounding."""
     S = rows_of(flat)
+    laws = uncounted(law)
     prescribed.prepare(S, n)
     if loads.is_still(S):
-        return march_prescribed(S, n, law, tail_link, True, steps, dt, every, log)
-    return march_prescribed(S, n, law, tail_link, False, steps, dt, every, log)
+        return march_prescribed(S, n, laws, tail_link, True, steps, dt, every, log)
+    return march_prescribed(S, n, laws, tail_link, False, steps, dt, every, log)
 
 
 @kernel
@@ -202,13 +242,33 @@ def link_forces(flat, n, first_strip, first_plate, law, tail_link, has_extras, l
 
     The accelerations are those of the state: the pattern for any figure that needs them.
 
-    `force` has shape (n_samples, 3, n, 2, lanes).
+    `force` has shape (n_samples, 3, n, 2, lanes). With no log, it is the force in the state in `flat`.
     """
-    S = rows_of(flat)
-    loads.note_still_water(S)
     is_free = free_joints(law)
-    for sample in range(len(log)):
-        read_sample(S, n, rows_of(log[sample]))
+    forces_of_samples(
+        rows_of(flat),
+        n,
+        uncounted(first_strip),
+        uncounted(first_plate),
+        uncounted(law),
+        uncounted(is_free),
+        tail_link,
+        has_extras,
+        log,
+        force,
+    )
+    keep_until_here(is_free)
+
+
+@kernel
+def forces_of_samples(
+    S, n, first_strip, first_plate, law, is_free, tail_link, has_extras, log, force
+):
+    """Do what `link_forces` does, with addresses in place of arrays."""
+    loads.note_still_water(S)
+    for sample in range(len(force)):
+        if len(log) > 0:
+            read_sample(S, n, rows_of(log[sample]))
         drives.set_reference(S, n, law, tail_link)
         drives.joint_torques(S, n, law)
         recursion.accelerations(
@@ -230,6 +290,15 @@ def any_prescribed(law, n):
         if law[i] == PRESCRIBED:
             return True
     return False
+
+
+@kernel
+def are_all_free(is_free, n):
+    """Return whether the torques of all joints are known: those of others follow from accelerations."""
+    for i in range(1, n):
+        if not is_free[i]:
+            return False
+    return True
 
 
 @kernel
