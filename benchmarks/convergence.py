@@ -28,7 +28,7 @@ SETTINGS = (
     ("eel_like", 50, 110, 40),
     ("eel_like", 30, 110, 35),
 )
-JOINTS = ("prescribed", "pd", "servo", "speed-servo", "mamba-identified")
+JOINTS = ("prescribed", "pd", "servo", "speed-servo", "mamba-identified", "ekeberg", "hill")
 FINER = 16
 
 

@@ -48,6 +48,8 @@ CASES = {
     "pd, fin": standard("mamba-fin", "pd"),
     "servo": standard("mamba", "servo"),
     "speed-servo": standard("mamba", "speed-servo"),
+    "ekeberg": standard("mamba", "ekeberg"),
+    "hill": standard("mamba", "hill"),
     "identified": identified("mamba"),
     "identified, fin": identified("mamba-fin"),
 }

@@ -5,7 +5,7 @@ from hypothesis import assume, given, strategies as st
 
 from laticauda.motion import joints as actuation
 from laticauda.motion.joints import Drive, motor_power
-from laticauda.motion.joints.laws import joint_powers
+from laticauda.motion.joints.laws import joint_powers, servo_power
 from laticauda.robot import Actuator
 
 angles = st.floats(-1.5, 1.5)
@@ -144,6 +144,7 @@ def test_the_power_is_the_supply_times_the_current_for_the_share_of_time_that_th
     assert motor_power(torque, rate, stall, speed, dry, viscous, 34.0) == pytest.approx(
         expected, abs=1e-11 * scale
     )
+    assert servo_power(angle, rate, reference, gain, speed, 34.0) == pytest.approx(expected)
 
 
 @given(st.floats(-5.0, 5.0), rates, positive, positive, frictions, frictions, st.floats(1.0, 5.0))

@@ -7,11 +7,30 @@ import pytest
 from hypothesis import given, strategies as st
 
 import laticauda as lc
-from laticauda.motion.joints import Drive, Ekeberg, Hill
+from laticauda.motion.joints import Drive, Ekeberg, Hill, laws
+from laticauda.values import value_class
 
 ON = Drive(1.0, 1.0, 1.0, 10.0, 5.0, 0.0, 0.0)
 OFF = Drive(0.0, 0.0, 0.0, 0.0, 5.0, 0.0, 0.0)
 LAWS = (Ekeberg(), Hill())
+GAIT = lc.lateral_undulation(amplitude_deg=30, frequency_deg_s=130, phase_shift_deg=40)
+
+
+@value_class
+class NotSaidToBeLinear(Ekeberg):
+    """Ekeberg's muscles, of which the kernels do not know that they are linear."""
+
+
+@value_class
+class Stiffening(Ekeberg):
+    """Ekeberg's muscles that stiffen as they bend."""
+
+    def __call__(self, angle, rate, *others):
+        """Return the torque and its slopes."""
+        u, stiffness, damping = super().__call__(angle, rate, *others)
+        return u - 30.0 * angle**3, stiffness + 90.0 * angle**2, damping
+
+
 ANGLES = st.floats(-1.0, 1.0)
 RATES = st.floats(-6.0, 6.0)
 
@@ -76,3 +95,15 @@ def test_muscles_swim_alike_in_both_models(law):
     assert in_plane.forward_velocity > 0.02
     assert in_space.forward_velocity == pytest.approx(in_plane.forward_velocity, rel=2e-3)
     assert math.degrees(np.abs(in_plane.joint_angle).max()) < 60.0
+
+
+def test_a_linear_law_swims_as_if_the_kernels_had_to_find_its_tangents():
+    linear = lc.swim("mamba", GAIT, 2.0, joints=Ekeberg())
+    found = lc.swim("mamba", GAIT, 2.0, joints=NotSaidToBeLinear())
+    assert linear.center_of_mass == pytest.approx(found.center_of_mass, rel=1e-7, abs=1e-9)
+    assert linear.joint_torque == pytest.approx(found.joint_torque, rel=1e-6, abs=1e-7)
+
+
+def test_a_law_that_is_derived_from_a_linear_one_is_not_taken_for_linear():
+    assert Ekeberg().code == laws.OWN_LINEAR
+    assert Stiffening().code == laws.OWN_DRIVEN

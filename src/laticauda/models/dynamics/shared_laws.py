@@ -24,6 +24,7 @@ SHARED_LAWS = (
     # the work of the joints
     laws.joint_powers,
     laws.motor_power,
+    laws.servo_power,
 )
 
 

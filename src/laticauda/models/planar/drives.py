@@ -28,7 +28,7 @@ from laticauda.models.planar.rows import *
 from laticauda.motion.gaits import reference
 from laticauda.motion.joints import laws
 from laticauda.motion.joints.kernels import actuator_of
-from laticauda.motion.joints.laws import OWN_DRIVEN, PD_DRIVEN
+from laticauda.motion.joints.laws import LAST_LINEAR, OWN_DRIVEN, SERVO_DRIVEN
 
 _own_law = bindings(__name__)["joint_law"]
 NEARBY = 1e-4
@@ -253,7 +253,7 @@ def joint_torques(S, n, law):
 @kernel
 def is_curved(law):
     """Return whether the torque of a joint may depend on its state in a way that no tangent shows."""
-    return law > PD_DRIVEN
+    return law > LAST_LINEAR
 
 
 @kernel
@@ -351,9 +351,20 @@ def add_work(S, n, law, gamma_dt, duration):
             net += signed
             positive += delivered
             if any_lane(S[b + STALL_POWER].real > 0.0):
-                electrical += shared.motor_power(torque, rate, *motor_of(S, b))
+                electrical += electrical_power(S, b, law[i], torque, angle, rate)
     for k, power in enumerate((absolute, net, positive, electrical)):
         S[WORK_ABSOLUTE + k] += duration * power
+
+
+@kernel
+def electrical_power(S, b, law, torque, angle, rate):
+    """Return the electrical power of a joint's motor, in a servo from its duty, whatever its gear rubs."""
+    if law == SERVO_DRIVEN:
+        gain, no_load_speed = S[b + SERVO_GAIN], S[b + NO_LOAD_SPEED]
+        return shared.servo_power(
+            angle, rate, S[b + REFERENCE], gain, no_load_speed, S[b + STALL_POWER]
+        )
+    return shared.motor_power(torque, rate, *motor_of(S, b))
 
 
 @kernel

@@ -18,6 +18,7 @@ from laticauda.motion.joints import (
     LOCKED as LOCKED,
     PASSIVE as PASSIVE,
     PRESCRIBED as PRESCRIBED,
+    Drive,
 )
 from laticauda.values import MOST_NUMBERS
 from laticauda.water.fluid.edges import Plate
@@ -202,6 +203,8 @@ HEADER_ROWS = _header.n
 # takes; LEAD is the phase of the joint ahead of the wave.
 # From there come also the codes of joint laws, LOCKED and so on: kernels take both from here.
 ENVELOPE, STIFFNESS, DAMPING, DRIVE, MOTOR, STALL_POWER, LEAD, JOINT_ROWS = JOINT
+SERVO_GAIN = DRIVE + Drive._fields.index("servo_gain")
+NO_LOAD_SPEED = DRIVE + Drive._fields.index("no_load_speed")
 _body = _Counter(JOINT_ROWS)
 # parameters: `layout` writes those from LENGTH to CENTER in this order
 LENGTH = _body.take()  # 2l [m]

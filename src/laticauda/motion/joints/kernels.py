@@ -10,6 +10,7 @@ from laticauda.compiling.formulas import in_numbers, in_rows
 from laticauda.motion.joints.laws import (
     MOTION,
     OWN_DRIVEN,
+    OWN_LINEAR,
     PD,
     PD_DRIVEN,
     SERVO_DRIVEN,
@@ -25,7 +26,7 @@ def actuator_of(own: Formula | None) -> Any:
     It returns the actuator's torque and its slopes, and always includes the built-in laws.
 
     Args:
-        own: Formula for joints with the code OWN_DRIVEN; None: no such joints.
+        own: Formula for joints with the codes OWN_DRIVEN and OWN_LINEAR; None: no such joints.
     """
     pd, servo = (in_numbers(kind().formula, Drive, MOTION) for kind in (PD, Servo))
     if own is None:
@@ -52,7 +53,7 @@ def actuator_of(own: Formula | None) -> Any:
             torque, slope_p, slope_d = pd(*motion, *drive)
         elif code == SERVO_DRIVEN:
             torque, slope_p, slope_d = servo(*motion, *drive)
-        elif code == OWN_DRIVEN:
+        elif code == OWN_DRIVEN or code == OWN_LINEAR:
             torque, slope_p, slope_d = by_own(motion, drive, numbers)
         else:
             torque = 0.0 * motion[0]

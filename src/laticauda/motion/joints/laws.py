@@ -33,9 +33,11 @@ PER_SLIDING_RATE = 1.0 / SLIDING_RATE  # a product takes a tenth of the time of 
 MOTION = 5
 """Count of the arguments of a law before the drive: phi, phi', phi_ref, phi_ref', phi_ref''."""
 
-LOCKED, PRESCRIBED, PASSIVE, PD_DRIVEN, SERVO_DRIVEN, OWN_DRIVEN = range(6)
+LOCKED, PRESCRIBED, PASSIVE, PD_DRIVEN, OWN_LINEAR, SERVO_DRIVEN, OWN_DRIVEN = range(7)
 """Codes of joints in the kernels; from PASSIVE on the torque is known, below it the acceleration."""
 FIRST_FREE = PASSIVE
+LAST_LINEAR = OWN_LINEAR
+"""From PASSIVE to here, the torque is linear in angle and rate."""
 
 
 class Drive(NamedTuple):
@@ -80,6 +82,9 @@ class JointLaw(Law, Extensible, group="joint_laws"):
     """Time step at which the law is converged in the planar model [s]; None: that of the model's own integrator."""
     ramp: ClassVar[float] = 0.0
     """Default duration of the smooth start [s]."""
+    is_linear: ClassVar[bool] = False
+    """Whether the torque is linear in angle and rate, with the slopes that the law returns; classes derived from a
+    linear law say so anew."""
     takes_jumps: ClassVar[bool] = False
     """Whether references may jump, because the law does not use their rates and accelerations."""
     remedy: ClassVar[str] = "a smaller `dt`, or a softer joint law"
@@ -125,12 +130,15 @@ class JointLaw(Law, Extensible, group="joint_laws"):
     def code(self) -> int:
         """Code of the law in the kernels."""
         codes: dict[type, int] = {Prescribed: PRESCRIBED, PD: PD_DRIVEN, Servo: SERVO_DRIVEN}
-        return codes.get(type(self), OWN_DRIVEN)
+        if type(self) in codes:
+            return codes[type(self)]
+        is_linear = vars(type(self)).get("is_linear", False)
+        return OWN_LINEAR if is_linear else OWN_DRIVEN
 
     @property
     def own(self) -> Formula | None:
         """Formula that kernels are compiled for; None: one that all kernels include."""
-        if self.code != OWN_DRIVEN:
+        if self.code not in (OWN_LINEAR, OWN_DRIVEN):
             return None
         return self.formula
 
@@ -277,11 +285,7 @@ def servo(
         drive.stall_torque,
         drive.viscous_friction,
     )
-    demand = gain * (reference - angle)
-    saturated = (demand.real <= -1.0) | (demand.real >= 1.0)
-    # 0 * demand keeps the number's type, real or complex, for the compiler.
-    limit = where(demand.real > 0.0, 1.0, -1.0) + 0.0 * demand
-    duty = where(saturated, limit, demand)
+    duty, saturated = servo_duty(angle, reference, gain)
     stiffness = where(saturated, 0.0 * gain, gain * stall_torque)
     sliding, dry = tanh(PER_SLIDING_RATE * rate), drive.friction_torque
     per_no_load_speed = 1.0 / drive.no_load_speed
@@ -305,6 +309,44 @@ def joint_powers(torque: float, rate: float) -> tuple[float, float, float]:
     """
     power = torque * rate
     return magnitude(power), power, 0.5 * (power + magnitude(power))
+
+
+def servo_duty(angle: float, reference: float, gain: float) -> tuple[float, bool]:
+    """Return the duty cycle of a servo, and whether it saturates.
+
+    Args:
+        angle: phi [rad].
+        reference: phi_ref [rad].
+        gain: Duty per angle error [1/rad].
+    """
+    demand = gain * (reference - angle)
+    saturated = (demand.real <= -1.0) | (demand.real >= 1.0)
+    # 0 * demand keeps the number's type, real or complex, for the compiler.
+    limit = where(demand.real > 0.0, 1.0, -1.0) + 0.0 * demand
+    return where(saturated, limit, demand), saturated
+
+
+def servo_power(
+    angle: float,
+    rate: float,
+    reference: float,
+    gain: float,
+    no_load_speed: float,
+    stall_power: float,
+) -> float:
+    """Return the `motor_power` of a servo with the torque of its law: P = V I_stall max(d (d - phi'/phi'_0), 0).
+
+    Args:
+        angle: phi [rad].
+        rate: phi' [rad/s].
+        reference: phi_ref [rad].
+        gain: Duty per angle error [1/rad].
+        no_load_speed: phi'_0 [rad/s].
+        stall_power: V I_stall [W].
+    """
+    duty, _ = servo_duty(angle, reference, gain)
+    share = duty * (duty - rate / no_load_speed)
+    return stall_power * where(share.real > 0.0, share, 0.0 * share)
 
 
 def motor_power(
@@ -339,8 +381,10 @@ def motor_power(
         phi'_0, that is, if the constants of motor and gear do not create energy.
     """
     sliding = tanh(PER_SLIDING_RATE * rate)
-    # A quotient that need not wait for the hyperbolic tangent.
-    per_stall_torque = 1.0 / stall_torque
-    current = (torque + viscous_friction * rate + friction_torque * sliding) * per_stall_torque
-    share = (current + rate / no_load_speed) * current
+    # A single quotient for s and d, which need not wait for the hyperbolic tangent.
+    per_product = 1.0 / (stall_torque * no_load_speed)
+    motor_torque = torque + viscous_friction * rate + friction_torque * sliding
+    current = no_load_speed * motor_torque * per_product
+    duty = (no_load_speed * motor_torque + stall_torque * rate) * per_product
+    share = current * duty
     return stall_power * where(share.real > 0.0, share, 0.0 * share)

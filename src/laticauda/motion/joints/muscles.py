@@ -29,6 +29,7 @@ STRETCHING_STEEPNESS = 7.56 * SHORTENING_CURVATURE
 class _Muscles(JointLaw):
     """Two muscles, and how the reference activates them."""
 
+    dt: ClassVar[float | None] = 1.0 / 120.0
     takes_jumps: ClassVar[bool] = True
 
     gain: float = quantity("1/rad", "Activation per reference", gt=0.0, default=1.0)
@@ -39,6 +40,7 @@ class _Muscles(JointLaw):
 class Ekeberg(_Muscles):
     """Muscles as springs that activation stiffens, see `ekeberg`."""
 
+    is_linear: ClassVar[bool] = True
     remedy: ClassVar[str] = "a smaller `dt`, or a lower `strength`"
     strength: float = quantity(
         "N m", "alpha, torque per difference of activations", ge=0.0, default=2.0
