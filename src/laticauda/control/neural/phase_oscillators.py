@@ -129,51 +129,51 @@ class PhaseOscillators(NeuralGait[Oscillators]):
             felt: Rate by which feedback would pull each phase at most [1/s].
             dt: Time step [s].
         """
-        phase = np.atleast_2d(neurons.phase)
+        tables = _tables_of(neurons)
+        phase = tables.phase
         n_networks, n_joints = phase.shape
-        moved = np.empty_like(phase)
-        coupling = self.coupling * self.is_coupled(n_joints)
-        _motion().move_phases(
-            phase,
+        asked = (
             _table_of(drive.frequency, phase.shape),
-            _table_of(felt, phase.shape),
-            _table_of(coupling, (n_networks, n_joints - 1)),
+            _table_of(drive.amplitude, phase.shape),
             _column_of(drive.phase_shift, n_networks),
-            dt,
-            moved,
+            _column_of(drive.offset, n_networks),
         )
-        amplitude = _Settling.of(neurons.amplitude, neurons.amplitude_rate, phase.shape)
-        amplitude = amplitude.later(drive.amplitude, self.amplitude_rate, dt)
-        offset = _Settling.of(neurons.offset, neurons.offset_rate, (n_networks, 1))
-        offset = offset.later(drive.offset, self.amplitude_rate, dt)
+        moved = Oscillators(*map(np.empty_like, tables))
+        _motion().move(
+            tuple(tables),
+            asked,
+            _table_of(felt, phase.shape),
+            _table_of(self._couplings(n_joints), (n_networks, n_joints - 1)),
+            _column_of(self.amplitude_rate, n_networks),
+            dt,
+            tuple(moved),
+        )
         shape = neurons.phase.shape
         return Oscillators(
-            phase=moved.reshape(shape),
-            amplitude=amplitude.number.reshape(shape),
-            amplitude_rate=amplitude.rate.reshape(shape),
-            offset=offset.number,
-            offset_rate=offset.rate,
+            phase=moved.phase.reshape(shape),
+            amplitude=moved.amplitude.reshape(shape),
+            amplitude_rate=moved.amplitude_rate.reshape(shape),
+            offset=np.reshape(moved.offset, (n_networks, 1)),
+            offset_rate=np.reshape(moved.offset_rate, (n_networks, 1)),
         )
 
+    def _couplings(self, n_joints: int) -> PerJoint:
+        """Return w between every joint and the next one, 0 at cuts [1/s]."""
+        if self.members:
+            return self._stack("_couplings", n_joints)
+        return self.coupling * self.is_coupled(n_joints)
 
-class _Settling(NamedTuple):
-    """Numbers that settle, as tables."""
 
-    number: np.ndarray
-    """The numbers [rad]."""
-    rate: np.ndarray
-    """Their rates [rad/s]."""
-
-    @classmethod
-    def of(cls, number: Any, rate: Any, shape: tuple[int, ...]) -> "_Settling":
-        return cls(number=_table_of(number, shape), rate=_table_of(rate, shape))
-
-    def later(self, aim: Any, settling: Any, dt: float) -> "_Settling":
-        """Return the numbers a time step later."""
-        shape = self.number.shape
-        moved = _Settling(number=np.empty(shape), rate=np.empty(shape))
-        _motion().settle(*self, _table_of(aim, shape), _column_of(settling, shape[0]), dt, *moved)
-        return moved
+def _tables_of(neurons: Oscillators) -> Oscillators:
+    """Return the oscillators as tables and columns, with one row for each network."""
+    phase = np.atleast_2d(neurons.phase)
+    return Oscillators(
+        phase=np.ascontiguousarray(phase),
+        amplitude=_table_of(neurons.amplitude, phase.shape),
+        amplitude_rate=_table_of(neurons.amplitude_rate, phase.shape),
+        offset=_column_of(neurons.offset, len(phase)),
+        offset_rate=_column_of(neurons.offset_rate, len(phase)),
+    )
 
 
 def _table_of(numbers: Any, shape: tuple[int, ...]) -> np.ndarray:
