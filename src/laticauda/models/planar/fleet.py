@@ -185,14 +185,14 @@ class Fleet:
         resumes = is_implicit and has_first_sample
         # Joints at a control instant are logged as they were under the command before.
         keeps_sample = self._logs_joints and has_first_sample and not resumes
+        if resumes:
+            self._lanes[self._blocks_that_swim, rows.RESUMES] = 1.0
         for block in self._blocks_that_swim:
             log = self._log[block]
             samples = self._between_samples
             if is_in_log:
                 samples = log[leg.first : leg.first + leg.n_intervals + 1]
             sample_before = samples[0].copy() if keeps_sample else samples[0]
-            if resumes:
-                self._lanes[block, rows.RESUMES] = 1.0
             self._kernel(self._lanes[block], *chain, is_implicit, n_steps, dt, every, samples)
             if loads.is_wanted:  # at once, while the processor's cache holds the block
                 loads.evaluate_forces(block)
@@ -253,10 +253,9 @@ class Fleet:
         Args:
             row: Row of the joint's record.
         """
-        layout = self.plant.layout
-        first = rows.HEADER_ROWS + (layout.tail_link + 1) * rows.BODY_ROWS + row
-        end = rows.HEADER_ROWS + layout.n_bodies * rows.BODY_ROWS
-        return self._read(slice(first, end, rows.BODY_ROWS)).T
+        in_lanes = self._lanes[:, self._rows_of_joints(row)]
+        by_robot = in_lanes.transpose(0, 2, 1).copy()  # the lanes move on
+        return by_robot.reshape(-1, in_lanes.shape[1])[: self.n]
 
     def samples_of(self, i: int) -> Float[np.ndarray, "n_samples n_rows"]:
         """Return the log of one robot.
@@ -348,15 +347,19 @@ class Fleet:
             unused = np.repeat(references[-1:], n_lanes - self.n, axis=0)
             references = np.concatenate((references, unused))
         by_block = references.reshape(len(self._lanes), WIDTH, -1).transpose(0, 2, 1)
-        for joint, row in enumerate(self._reference_rows[: references.shape[1]]):
-            self._lanes[:, row] = by_block[:, joint]
+        envelope = self._rows_of_joints(rows.ENVELOPE)
+        of_body = self._lanes[:, envelope]
+        n_held, n_joints = by_block.shape[1], of_body.shape[1]
+        of_body[:, :n_held] = by_block[:, :n_joints]
+        if n_held > n_joints:  # that of a driven fin comes last
+            self._lanes[:, envelope.start - rows.BODY_ROWS] = by_block[:, n_joints]
 
-    @cached_property
-    def _reference_rows(self) -> np.ndarray:
-        """Rows of the references that are held, joint by joint; that of a driven fin comes last."""
+    def _rows_of_joints(self, row: int) -> slice:
+        """Return the rows of all lanes that hold a row of the joints of the body."""
         layout = self.plant.layout
-        bodies = np.array([*range(layout.tail_link + 1, layout.n_bodies), layout.tail_link])
-        return rows.HEADER_ROWS + bodies * rows.BODY_ROWS + rows.ENVELOPE
+        first = rows.HEADER_ROWS + (layout.tail_link + 1) * rows.BODY_ROWS + row
+        end = rows.HEADER_ROWS + layout.n_bodies * rows.BODY_ROWS
+        return slice(first, end, rows.BODY_ROWS)
 
     def _command_one(self, i: int, command: Command) -> None:
         """Write one robot's command into its lane."""

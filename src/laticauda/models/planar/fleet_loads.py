@@ -62,7 +62,8 @@ class LoadsOfLanes:
         """Whether the forces are those of the robots now."""
         n_bodies = self.layout.n_bodies
         self._link_forces = self._plant.kernels_of(WIDTH).link_forces
-        self._sample = aligned((1, self.layout.state_size, WIDTH), float)
+        self._chain = self.layout.chain
+        self._no_log = aligned((0, self.layout.state_size, WIDTH), float)
         self._force = aligned((len(lanes), len(FORCES), n_bodies, 2, WIDTH), float)
 
     def evaluate_forces(self, block: int) -> None:
@@ -71,11 +72,8 @@ class LoadsOfLanes:
         Args:
             block: The block of lanes of which they are needed.
         """
-        lanes = self._lanes[block]
-        # `clip` writes at once; there is nothing to clip.
-        lanes.take(self.layout.state_rows, axis=0, out=self._sample[0], mode="clip")
         force = self._force[block : block + 1]
-        self._link_forces(lanes, *self.layout.chain, self._sample, force)
+        self._link_forces(self._lanes[block], *self._chain, self._no_log, force)
 
     def evaluate_torques(self, blocks: Sequence[int]) -> Float[np.ndarray, "n n_joints"]:
         """Return the torque of every drive [N m].
