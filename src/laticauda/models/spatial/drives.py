@@ -20,7 +20,7 @@ from laticauda.models.spatial.states import put_on_reference, select_robot
 from laticauda.motion.gaits import reference
 from laticauda.motion.joints import laws
 from laticauda.motion.joints.kernels import actuator_of
-from laticauda.motion.joints.laws import OWN_DRIVEN, PD_DRIVEN
+from laticauda.motion.joints.laws import LAST_LINEAR, OWN_DRIVEN
 from laticauda.water.mujoco import numbers
 
 NEARBY = 1e-4
@@ -144,7 +144,7 @@ def set_torques(W, qpos, qvel, hold):
 @kernel
 def is_curved(law):
     """Return whether the torque of a joint may depend on its state in a way that no tangent shows."""
-    return law > PD_DRIVEN
+    return law > LAST_LINEAR
 
 
 @kernel

@@ -132,8 +132,9 @@ class JointLaw(Law, Extensible, group="joint_laws"):
         codes: dict[type, int] = {Prescribed: PRESCRIBED, PD: PD_DRIVEN, Servo: SERVO_DRIVEN}
         if type(self) in codes:
             return codes[type(self)]
-        is_linear = vars(type(self)).get("is_linear", False)
-        return OWN_LINEAR if is_linear else OWN_DRIVEN
+        if vars(type(self)).get("is_linear", False):
+            return OWN_LINEAR
+        return OWN_DRIVEN
 
     @property
     def own(self) -> Formula | None:
