@@ -155,7 +155,7 @@ def test_a_file_with_a_controller_follows_its_path_with_the_numbers_typed(run):
         ("--gain -0.4", "--gain must be"),
         ("--position 1", "Missing value for argument '--position'. Expected 2 values."),
         ("--position nan 0", "must be a finite number in m, got nan"),
-        ("--control-interval 0", "must be > 0 s, got 0"),
+        ("--control-interval 0", "must be >= 0.0001 s, got 0"),
         ("--duration 0", "--duration must be > 0 s, got 0"),
         ("--guidance pure-pursuit", "pure-pursuit"),
         ("--look-ahead 1", "look-ahead"),

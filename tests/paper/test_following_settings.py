@@ -69,7 +69,7 @@ def test_settings_that_make_no_sense_are_refused(change, message):
         ({"look_ahead_distance": 0.0}, "`look_ahead_distance` must be > 0 m, got 0.0"),
         ({"gain": math.nan}, "`gain` must be a finite number, got nan"),
         ({"max_offset": -0.1}, "`max_offset` must be > 0 rad, got -0.1"),
-        ({"interval": 0.0}, "`interval` must be > 0 s, got 0.0"),
+        ({"interval": 0.0}, "`interval` must be >= 0.0001 s, got 0.0"),
     ],
 )
 def test_steering_that_makes_no_sense_is_refused(change, message):

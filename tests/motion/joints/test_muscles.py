@@ -17,12 +17,12 @@ GAIT = lc.lateral_undulation(amplitude_deg=30, frequency_deg_s=130, phase_shift_
 
 
 @value_class
-class NotSaidToBeLinear(Ekeberg):
+class _NotSaidToBeLinear(Ekeberg):
     """Ekeberg's muscles, of which the kernels do not know that they are linear."""
 
 
 @value_class
-class Stiffening(Ekeberg):
+class _Stiffening(Ekeberg):
     """Ekeberg's muscles that stiffen as they bend."""
 
     def __call__(self, angle, rate, *others):
@@ -99,11 +99,11 @@ def test_muscles_swim_alike_in_both_models(law):
 
 def test_a_linear_law_swims_as_if_the_kernels_had_to_find_its_tangents():
     linear = lc.swim("mamba", GAIT, 2.0, joints=Ekeberg())
-    found = lc.swim("mamba", GAIT, 2.0, joints=NotSaidToBeLinear())
+    found = lc.swim("mamba", GAIT, 2.0, joints=_NotSaidToBeLinear())
     assert linear.center_of_mass == pytest.approx(found.center_of_mass, rel=1e-7, abs=1e-9)
     assert linear.joint_torque == pytest.approx(found.joint_torque, rel=1e-6, abs=1e-7)
 
 
 def test_a_law_that_is_derived_from_a_linear_one_is_not_taken_for_linear():
     assert Ekeberg().code == laws.OWN_LINEAR
-    assert Stiffening().code == laws.OWN_DRIVEN
+    assert _Stiffening().code == laws.OWN_DRIVEN
