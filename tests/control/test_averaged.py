@@ -152,5 +152,5 @@ def test_steps_without_offsets_are_refused():
         ValueError, match="`offsets` must hold at least one offset in rad, got none"
     ):
         OffsetSteps(gait=GAIT, offsets=())
-    with pytest.raises(ValueError, match="`interval` must be > 0 s, got 0"):
+    with pytest.raises(ValueError, match=r"`interval` must be >= 0\.0001 s, got 0"):
         OffsetSteps(gait=GAIT, interval=0.0)

@@ -197,7 +197,7 @@ def test_a_saturation_that_takes_a_joint_beyond_its_limit_is_refused():
 @pytest.mark.parametrize(
     ("choices", "message"),
     [
-        ({"interval": 0.0}, "`interval` must be > 0 s, got 0.0"),
+        ({"interval": 0.0}, "`interval` must be >= 0.0001 s, got 0.0"),
         ({"interval": math.inf}, "`interval` must be a finite number in s, got inf"),
         (
             {"heading_estimate": "mean"},
